@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,8 +63,13 @@ def record_doubts(log: Log, still: identification.Stillness | None) -> Doubts:
     return Doubts(tuple(grave), tuple(slight))
 
 
-def stillness_of(log: Log) -> identification.Stillness | None:
-    """Return when the log's IMU is still; None where the record is too short, or its rate too low, to show it."""
+def stillness_of(log: Log, drift: Callable[[str, Floats], Floats] | None = None) -> identification.Stillness | None:
+    """Return when the log's IMU is still; None where the record is too short, or its rate too low, to show it.
+
+    Args:
+        log: the log.
+        drift: gives the known drift of an axis at times (s), which is no motion; None: there is none.
+    """
     from imuwb.navigation.travel import travels  # noqa: PLC0415 - imuwb info reads this module, and needs no scipy
 
     imu = log.imu()
@@ -72,6 +77,8 @@ def stillness_of(log: Log) -> identification.Stillness | None:
     axes = {
         name: (times[name.partition("_")[0]], values) for name, (_, values) in imu.axes().items() if np.ptp(values) > 0
     }
+    if drift is not None:
+        axes = {name: (at, values - drift(name, at)) for name, (at, values) in axes.items()}
     return identification.stillness(axes, travels(log)) if axes else None
 
 

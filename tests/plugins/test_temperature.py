@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from imuwb.analysis import Case
 from imuwb.errors import MissingDataError, UsageError
@@ -137,8 +138,45 @@ def test_a_ramp_is_cut_and_its_drift_is_no_noise(shown):
     assert np.interp(5.0, *zip(*accel.thermal_bias, strict=True)) == pytest.approx(
         0, abs=0.002
     )  # 25 °C is beyond the ramp
+    assert [one.removed for one in found.lags] == [False]
+    assert 0 in found.lags[0].hysteresis["gyro_z"]
     temperature.draw(found, shown)
     assert sum("hysteresis" in f.title for f in shown.figures) == 2
+    (lags,) = (t for t in shown.tables if t.title.startswith("Lag of"))
+    assert [row[2:4] for row in lags.rows] == [("left in", axis) for axis in AXES]
+
+
+def test_a_warm_up_has_bins_and_a_polynomial(shown):
+    warm = 45 - 20 * np.exp(-np.linspace(0, 8, 400))
+    found = run([log_at(warm, 1, 400, bias=0.01, triads=("gyro",))], bins=10.0)
+    assert found.cut == ("bins",)
+    x = found.axes["gyro_x"].polynomial
+    assert (x.reference, round(x.highest)) == (x.lowest, 45)
+    assert abs(x.factors[1].value - 0.01) < 4 * x.factors[1].sigma
+    assert x.factors[1].unit == "rad/s/°C"
+    temperature.draw(found, shown)
+    (table,) = (t for t in shown.tables if t.title == "Gyroscopes: polynomial of the bias")
+    assert table.headings[2] == "X1 [deg/s/°C]"
+    assert [row[0] for row in table.rows] == ["gyro_x", "gyro_y", "gyro_z"]
+
+
+def test_a_lag_that_is_removed_leaves_no_walk():
+    ramp = np.concatenate([np.linspace(-10, 10, 400), np.linspace(10, -10, 400)])
+    late = lfilter([0.05], [1, -0.95], ramp + 10) - 10  # of 20 s
+    log = log_at(ramp, 1, 800, bias=0.01, triads=("gyro",))
+    log = replace(
+        log, imus=(replace(log.imus[0], temperature=Scalars("/temperature", log.imus[0].temperature.time, late)),)
+    )
+    removed, left = run([log], bins=10.0), run([log], bins=10.0, lag=0.0)
+    assert (removed.lags[0].removed, left.lags[0].removed) == (True, False)
+    assert abs(removed.lags[0].lag.value - 20) < 1
+    assert "lag" in ids(removed.notes)
+    model = temperature.error_model(removed).axes["gyro_x"]
+    sums = [model.processes, *(one for _, one in model.thermal)]
+    assert not any(isinstance(term, RandomWalk) for one in sums for term in one.terms)
+    loops = [found.lags[0].hysteresis["gyro_x"] for found in (removed, left)]
+    assert abs(loops[0].value) < 4 * loops[0].sigma
+    assert abs(loops[1].value) > 5 * loops[1].sigma  # what the lag alone makes
 
 
 def test_logs_of_one_temperature_are_taken_together(gyros):

@@ -12,26 +12,31 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.identification.temperature.bias_polynomial import ORDER, BiasPolynomial, polynomial_through
 from imuwb.log import AXES
 from imuwb.stochastic import ImuErrorModel
 
 REFERENCE = 35.0  #: °C, fixed in ArduPilot
-ORDER = 3
 LEAST_SPAN = 10.0  #: °C, that ArduPilot asks for
 THERMAL_FORMS = ("ardupilot-tcal", "px4-tc")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Curve:
     """The bias of one axis as a polynomial about a reference."""
 
     axis: str
-    coefficients: tuple[float, ...]  #: of d⁰ ... d³, SI per °C^k
+    polynomial: BiasPolynomial  #: of third order
     misfit: float  #: largest difference at the set-points, SI
 
-    def at(self, difference: float) -> float:
-        """Return the bias at a difference from the reference (°C)."""
-        return float(np.polyval(self.coefficients[::-1], difference))
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        """Return the coefficients of d⁰ ... d³, SI per °C^k."""
+        return tuple(factor.value for factor in self.polynomial.factors)
+
+    def at(self, celsius: float) -> float:
+        """Return the bias at a temperature of the set-points (°C)."""
+        return float(self.polynomial.at(np.array([celsius]))[0][0])
 
 
 def curves(model: ImuErrorModel, reference: float) -> tuple[tuple[Curve, ...], float, float]:
@@ -47,10 +52,8 @@ def curves(model: ImuErrorModel, reference: float) -> tuple[tuple[Curve, ...], f
         if len(points) < 2:  # noqa: PLR2004 - one point is no curve
             continue
         celsius, bias = (np.array(column) for column in zip(*points, strict=True))
-        order = min(ORDER, len(points) - 1)
-        fit = np.polynomial.polynomial.polyfit(celsius - reference, bias, order)
-        misfit = np.abs(np.polynomial.polynomial.polyval(celsius - reference, fit) - bias).max()
-        found.append(Curve(axis, tuple(float(c) for c in np.pad(fit, (0, ORDER - order))), float(misfit)))
+        polynomial = polynomial_through(celsius, bias, reference)
+        found.append(Curve(axis, polynomial, float(np.abs(polynomial.at(celsius)[0] - bias).max())))
         ends.append((float(celsius[0]), float(celsius[-1])))
     if not found:
         raise MissingDataError(
@@ -102,9 +105,7 @@ def _ardupilot(found: tuple[Curve, ...], low: float, high: float, instance: int)
     middle = min(max(REFERENCE, low), high)
     for sensor, short in (("accel", "ACC"), ("gyro", "GYR")):
         offsets = [curve for curve in found if curve.axis.startswith(sensor)]
-        rows += [
-            f"INS_{short}{number}OFFS_{curve.axis[-1].upper()} {curve.at(middle - REFERENCE):.9g}" for curve in offsets
-        ]
+        rows += [f"INS_{short}{number}OFFS_{curve.axis[-1].upper()} {curve.at(middle):.9g}" for curve in offsets]
         rows += [f"INS_{short}{instance + 1}_CALTEMP {middle:.9g}"] if offsets else []
     return rows
 

@@ -17,6 +17,7 @@ from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 
+EVIDENT = 2.58  #: standard errors, from which a hysteresis is more than chance
 SLOW = ("B", "K")  #: processes that change the bias between records
 
 
@@ -97,16 +98,30 @@ def biases(means: Sequence[Sequence[RecordMean]], white: Sequence[float], slow: 
     within = np.diag(mixed)
     differences = mixed - (within[:, None] + within[None, :]) / 2
     from_mean = differences.mean(axis=1) - differences.mean() / 2
-    values = share @ np.array([m.value for m in records])
+    loops = [_hysteresis(here, n, slow, duration, level) for here, n in zip(means, white, strict=True)]
+    hysteresis = tuple(loop for loop in loops if loop is not None)
+    values = share @ (np.array([m.value for m in records]) - _half_loop(hysteresis) * _directions(records))
     celsius = share @ np.array([m.celsius for m in records])
     z = normal_limit(level)
     at = tuple(
         Bias(float(t), Estimate(float(v), float(v - z * s), float(v + z * s), float(s)))
         for t, v, s in zip(celsius, values, from_mean.clip(0) ** 0.5, strict=True)
     )
-    loops = [_hysteresis(here, n, slow, duration, level) for here, n in zip(means, white, strict=True)]
-    hysteresis = tuple(loop for loop in loops if loop is not None)
     return Biases(at, differences, hysteresis, None if turn_on is None else turn_on**0.5)
+
+
+def _half_loop(hysteresis: Sequence[Hysteresis]) -> float:
+    """Return half the mean hysteresis, by which a bias that was measured in one direction only is off; 0 if chance explains it."""
+    if not hysteresis:
+        return 0.0
+    weight = np.array([(loop.difference.sigma or 0.0) ** -2 for loop in hysteresis])
+    mean = float(weight @ [loop.difference.value for loop in hysteresis] / weight.sum())
+    return mean / 2 if abs(mean) > EVIDENT * float(weight.sum()) ** -0.5 else 0.0
+
+
+def _directions(records: Sequence[RecordMean]) -> Floats:
+    """Return 1 for rising, -1 for falling and 0 for unknown directions, (n,)."""
+    return np.array([0.0 if m.rising is None else 1.0 if m.rising else -1.0 for m in records])
 
 
 def difference_variance(processes: Sum, duration: float, apart: float) -> float:

@@ -22,6 +22,7 @@ ROUNDS = 12  #: largest number of rounds of the search for the common value
 FAINT = 1e-4  #: standard errors; a smaller square is 0
 CLOSE = 0.01  #: standard errors of the common square, at which the search ends
 SURE = 2000.0  #: degrees of freedom, from which a square is normal enough
+LEAST = 1.0  #: degrees of freedom; a square with fewer says nothing about a dependence
 LEVEL = 0.95  #: confidence level of the interval of the common value
 DRAWS, SEED = 20_000, 20_130_807  #: number of draws, and seed, of the simulation
 
@@ -30,7 +31,7 @@ DRAWS, SEED = 20_000, 20_130_807  #: number of draws, and seed, of the simulatio
 class Dependence:
     """A test that a quantity is the same at all temperatures."""
 
-    statistic: float | None  #: None: there is no evidence of the coefficient, so nothing to test
+    statistic: float | None  #: None: there is too little evidence of the coefficient, so nothing to test
     distribution: str  #: distribution of the statistic if nothing depends on temperature
     critical: float | None  #: the statistic exceeds it with probability ``size`` if nothing depends on temperature
     p_value: float | None
@@ -84,6 +85,9 @@ def depends(
     away = slope / np.sqrt(information)
     statistic = float(away @ away - (away @ np.sqrt(information)) ** 2 / total)
     freedom = 2 * common**2 * information
+    if np.count_nonzero(freedom >= LEAST) < 2:  # noqa: PLR2004 - a comparison needs two
+        text = f"too little evidence of the coefficient: {freedom.max():.2g} degrees of freedom at most"
+        return Dependence(None, text, None, None, size, None, value)
     if freedom.min() > SURE:
         return by_chi_square(len(points), statistic, size, value)
     drawn = _drawn(freedom, information)

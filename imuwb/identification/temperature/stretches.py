@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Booleans, Floats
 
 Cut = Literal["set-point", "plateaus", "bins"]
 STEADY = 2.0  #: °C; a log whose temperature spans no more is one set-point
@@ -34,7 +34,7 @@ class Stretch:
 
 
 def stretches(
-    time: Floats, celsius: Floats, rate: float, cut: Cut | None = None, width: float = 0.0
+    time: Floats, celsius: Floats, rate: float, cut: Cut | None = None, width: float = 0.0, around: float = 0.0
 ) -> tuple[Cut, tuple[Stretch, ...]]:
     """Return how a log was divided, and its stretches in order of time.
 
@@ -44,6 +44,7 @@ def stretches(
         rate: Hz, sampling rate of the sensor, for the number of samples in a bin.
         cut: None: a set-point if the temperature spans at most 2 °C, plateaus if they make up half of the time, else bins.
         width: °C of a bin; 0: 5, or 10 or 20 if smaller bins have too few samples.
+        around: s on both sides of a turn of the temperature that no bin has.
     """
     at, mean = _blocks(time, celsius)
     plateaus = _plateaus(at, mean)
@@ -60,8 +61,12 @@ def stretches(
             _stretch(time, celsius, at[a], at[b], None, up)
             for (a, b), up in zip(plateaus, came, strict=False)  # without a plateau ``came`` still has one item
         )
-    width = width or _wide_enough(at, mean, rate)
-    return cut, tuple(_stretch(time, celsius, at[a], at[b], middle, up) for a, b, middle, up in _bins(mean, width))
+    turns = at[[begin for begin, _ in legs_of(mean)[1:]]]
+    apart = np.abs(at[:, None] - turns).min(axis=1, initial=np.inf) > around if around else np.ones(at.size, dtype=bool)
+    width = width or _wide_enough(at, mean, rate, apart)
+    return cut, tuple(
+        _stretch(time, celsius, at[a], at[b], middle, up) for a, b, middle, up in _bins(mean, width, apart)
+    )
 
 
 def _stretch(
@@ -126,8 +131,8 @@ def _windows(mean: Floats) -> Iterator[tuple[int, int]]:
         yield start, i
 
 
-def _legs(mean: Floats) -> list[tuple[int, int]]:
-    """Return the first and last block of each rising or falling leg."""
+def legs_of(mean: Floats) -> list[tuple[int, int]]:
+    """Return the first and last block of each rising or falling leg of a temperature, (n,) °C."""
     turns, low, high, way = [0], 0, 0, 0
     for i in range(mean.size):
         low = i if mean[i] <= mean[low] else low
@@ -144,24 +149,24 @@ def _legs(mean: Floats) -> list[tuple[int, int]]:
     return list(pairwise(edges))
 
 
-def _bins(mean: Floats, width: float) -> list[tuple[int, int, float, bool]]:
-    """Return the first and last block, the middle and the direction of each bin on each leg."""
+def _bins(mean: Floats, width: float, used: Booleans) -> list[tuple[int, int, float, bool]]:
+    """Return the first and last used block, the middle and the direction of each bin on each leg."""
     bins: list[tuple[int, int, float, bool]] = []
-    for begin, end in _legs(mean):
+    for begin, end in legs_of(mean):
         leg = mean[begin : end + 1]
         rising = bool(leg[-1] > leg[0])
         along = np.maximum.accumulate(leg) if rising else np.minimum.accumulate(leg)
         number = np.floor(along / width).astype(np.int64)
         for k in np.unique(number):
-            inside = np.flatnonzero(number == k)
+            inside = np.flatnonzero((number == k) & used[begin : end + 1])
             if inside.size > 1:
                 bins.append((begin + int(inside[0]), begin + int(inside[-1]), (float(k) + 0.5) * width, rising))
     return sorted(bins)
 
 
-def _wide_enough(at: Floats, mean: Floats, rate: float) -> float:
+def _wide_enough(at: Floats, mean: Floats, rate: float, used: Booleans) -> float:
     for width in WIDTHS:
-        bins = _bins(mean, width)
+        bins = _bins(mean, width, used)
         if bins and float(np.median([at[b] - at[a] for a, b, *_ in bins])) * rate >= ENOUGH:
             return width
     return WIDTHS[-1]

@@ -3,10 +3,11 @@
 from imuwb.analysis import Answer, Step
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN
-from imuwb.texts import coefficient_cell, number_text
+from imuwb.statistics.distributions import normal_limit
+from imuwb.texts import coefficient_cell, decimals, number_text
 from imuwb.units import UNITS, coefficient_units
 from imuwb_plugins.temperature.axis_result import NAMES
-from imuwb_plugins.temperature.result import Result, TemperatureAxis
+from imuwb_plugins.temperature.result import Result, TemperatureAxis, lag_sentence
 
 DRIVE = Step("imuwb outage DRIVE --error-model {model}", "a drive with this sensor at its temperature")
 _BIAS = {"gyro": UNITS["deg/h"], "accel": UNITS["mg"]}
@@ -23,24 +24,36 @@ def answer(result: Result) -> Answer:
         for axis, own in axes.items():
             ends = (own.by_temperature[0], own.by_temperature[-1])
             cells = (coefficient_cell(point.coefficients.get("N", UNKNOWN), unit) for point in ends)
-            change = (ends[1].bias.value - ends[0].bias.value) / bias.factor
-            rows.append((axis.replace("_", " "), *cells, f"{change:+.3g}", _follow(own)))
+            rows.append((axis.replace("_", " "), *cells, _change(own, result.level, bias.factor), _follow(own)))
         rows.append(("", unit.name, unit.name, bias.name, ""))
     headings = (
         "",
         f"N at {number_text(cold)} °C",
         f"N at {number_text(hot)} °C",
-        "bias changes by",
-        "follows temperature",
+        "bias change",
+        "depends",
     )
-    sentences = [
-        f"What depends on temperature, by tests of which {100 * result.size:g} of 100 err, is a function of it in the model."
-    ]
-    sentences += [f"{note[:1].upper()}{note[1:]}." for note in (*result.doubts.all, *result.notes)][:2]
+    tested = f"What depends on temperature (tests of which {100 * result.size:g} of 100 err) is a function of it in the model."
+    sentences = [f"{note[:1].upper()}{note[1:]}." for note in _important(result)][:2]
+    sentences.insert(1 if any(one.removed for one in result.lags) else 0, tested)
     return Answer(
         f"{len(first.by_temperature)} temperatures from {number_text(cold)} to {number_text(hot)} °C", headings, tuple(rows),
         tuple(sentences), (DRIVE,), f"{100 * result.level:g} % intervals",
     )  # fmt: skip
+
+
+def _important(result: Result) -> list[str]:
+    """Return what is said beside the figures: first lags that were removed, then doubts."""
+    removed = [lag_sentence(one) for one in result.lags if one.removed]
+    said = [note for note in result.notes if getattr(note, "id", "") != "lag"]
+    return list(dict.fromkeys((*removed[:1], *result.doubts.all, *said)))
+
+
+def _change(own: TemperatureAxis, level: float, unit: float) -> str:
+    """Return the bias at the hottest temperature minus that at the coldest, with the decimals that its error carries."""
+    change = own.by_temperature[-1].bias.value - own.by_temperature[0].bias.value
+    sigma = float(own.over.biases.differences[0, -1]) ** 0.5
+    return f"{change / unit:+.{decimals(2 * normal_limit(level) * sigma / unit)}f}"
 
 
 def _follow(own: TemperatureAxis) -> str:

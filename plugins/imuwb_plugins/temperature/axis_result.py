@@ -4,25 +4,43 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.identification.temperature import AxisTemperatures, Dependence, Law, SetPoint
+from imuwb.identification.temperature import (
+    AxisTemperatures,
+    Dependence,
+    Law,
+    SetPoint,
+    ThermalLag,
+    bias_polynomial,
+)
 from imuwb.statistics import Estimate
 from imuwb.units import coefficient_units
-from imuwb_plugins.temperature.result import DependenceResult, FunctionResult, TemperatureAxis, TemperatureResult
+from imuwb_plugins.temperature.result import (
+    DependenceResult,
+    FunctionResult,
+    PolynomialResult,
+    TemperatureAxis,
+    TemperatureResult,
+)
 
 #: quantity -> its name in tables and verdicts
 NAMES = {"N": "N", "B": "B", "K": "K", "Q": "Q", "alpha": "AR(1)", "bias": "bias"}
 CURVE = 101  #: temperatures of a function's curve
 CLEAR = 1e-4  #: smaller p values are not printed
 NONE = np.empty(0)
+POWERS = ("", "²", "³")  #: of a degree, in the units of a polynomial's factors
 
 
-def axis_result(axis: str, over: AxisTemperatures, reference: float) -> TemperatureAxis:
+def axis_result(
+    axis: str, over: AxisTemperatures, reference: float, wanted: float, widest: tuple[str, ThermalLag] | None
+) -> TemperatureAxis:
     """Return the result of an axis.
 
     Args:
         axis: its name.
         over: the axis over temperature.
-        reference: °C.
+        reference: °C, of the error model.
+        wanted: °C, reference of the polynomial, if it was measured there.
+        widest: path and temperature of the log with the widest range; None: no log has a range.
     """
     rate = coefficient_units(axis, "rate")[0].name
     at_reference = _bias_at(over, reference)
@@ -37,9 +55,26 @@ def axis_result(axis: str, over: AxisTemperatures, reference: float) -> Temperat
         {name: _function(law, over, offset if name == "bias" else 0.0) for name, law in over.laws.items()},
         tuple(replace(h, difference=h.difference.scaled(1.0, rate)) for h in over.biases.hysteresis),
         over.biases.turn_on,
+        None if widest is None or axis not in widest[1].axes else _polynomial(axis, *widest, wanted, over.level),
         at_reference - offset,
         over,
     )
+
+
+def _polynomial(axis: str, path: str, thermal: ThermalLag, reference: float, level: float) -> PolynomialResult:
+    inside = thermal.celsius[thermal.window.inside]
+    about = float(np.clip(reference, inside.min(), inside.max()))
+    found = bias_polynomial(thermal, axis, about, level=level)
+    rate = coefficient_units(axis, "rate")[0].name
+    # One attitude does not separate an accelerometer's bias from gravity: only the change is a bias.
+    offset = found.factors[0].value if axis.startswith("accel") else 0.0
+    constant = Estimate(0.0, 0.0, 0.0, 0.0) if offset else found.factors[0]
+    factors = (constant, *found.factors[1:])
+    celsius = np.linspace(found.lowest, found.highest, CURVE)
+    curve = (part - offset for part in found.at(celsius))
+    units = [rate, *(f"{rate}/°C{power}" for power in POWERS)]
+    named = tuple(replace(f, unit=unit) for f, unit in zip(factors, units, strict=False))
+    return PolynomialResult(path, about, named, found.lowest, found.highest, celsius, *curve)
 
 
 def _bias_at(over: AxisTemperatures, celsius: float) -> float:
@@ -86,7 +121,7 @@ def dependence_text(name: str, test: Dependence | None) -> str:
     if test is None:
         return f"{NAMES[name]}: there is no test"
     if test.p_value is None or test.depends is None:
-        return f"{NAMES[name]}: not identified at any temperature, so it is not tested"
+        return f"{NAMES[name]} is not tested: {test.distribution}"
     p = f"p = {test.p_value:.2g}" if test.p_value >= CLEAR else f"p < {CLEAR:g}"
     verdict = "depends on temperature" if test.depends else "may be the same at all temperatures"
     return f"{NAMES[name]} {verdict} ({p})"

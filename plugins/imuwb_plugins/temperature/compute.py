@@ -15,6 +15,7 @@ from imuwb.identification.temperature import (
     AxisTemperatures,
     Record,
     SetPoint,
+    ThermalLag,
     axis_model,
     heterogeneity,
     log_sigma,
@@ -26,11 +27,13 @@ from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.selection import with_first
 from imuwb.stochastic import ImuErrorModel
+from imuwb.units import coefficient_units
 from imuwb_plugins.temperature.axis_result import axis_result
 from imuwb_plugins.temperature.log_checks import check_thermometers, check_together, imu_of, with_sound_thermometers
 from imuwb_plugins.temperature.parameters import Parameters
 from imuwb_plugins.temperature.records import FEWEST, LogPart, grouped, parts_of
-from imuwb_plugins.temperature.result import CONVENTION, Result
+from imuwb_plugins.temperature.result import CONVENTION, LagResult, Result, lag_sentence
+from imuwb_plugins.temperature.sensor_temperature import lags_of
 
 DIFFERENT = 1e-3  #: probability by chance, below which N differs between logs
 NOTICEABLE = 0.02  #: relative difference of N between logs, from which a note reports it
@@ -49,7 +52,10 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     notes = [*before, *check_together(logs, parameters), *check_thermometers(logs, parameters)]
     logs, thermometer_notes = with_sound_thermometers(logs, parameters)
     notes += thermometer_notes
-    cuts, groups, part_notes, doubts = _groups(logs, parameters)
+    lags = lags_of(logs, parameters)
+    known = _lag_results(logs, lags)
+    notes += [Note("lag", f"{one.log}: {lag_sentence(one)}") for one in known if one.removed]
+    cuts, groups, part_notes, doubts = _groups(logs, lags, parameters)
     notes += [*doubts.all, *part_notes]
     names = [axis for axis in AXES if any(axis in p.axes for group in groups for p in group)]
     axes, axis_notes = _axes(names, groups, parameters)
@@ -74,26 +80,48 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         notes.append(Note("no-hysteresis", text))
     return Result(
         logs[0].imu().name, "; ".join(source_of(log) for log in logs), parameters.level, parameters.size, reference, CONVENTION,
-        cuts, rates(axes_of(logs[0].imu())), {axis: axis_result(axis, over, reference) for axis, over in axes.items()},
+        cuts, known, rates(axes_of(logs[0].imu())),
+        {axis: axis_result(axis, over, reference, parameters.reference, _widest(logs, lags)) for axis, over in axes.items()},
         tuple(dict.fromkeys(notes)), doubts, sensor_identity(logs[0]),
     )  # fmt: skip
 
 
+def _lag_results(logs: Sequence[Log], lags: Sequence[ThermalLag | None]) -> tuple[LagResult, ...]:
+    return tuple(
+        LagResult(
+            log.provenance.path, thermal.lag, thermal.evident,
+            {axis: h.scaled(1.0, coefficient_units(axis, "rate")[0].name) for axis, h in thermal.hysteresis.items()},
+        )
+        for log, thermal in zip(logs, lags, strict=True)
+        if thermal is not None
+    )  # fmt: skip
+
+
+def _widest(logs: Sequence[Log], lags: Sequence[ThermalLag | None]) -> tuple[str, ThermalLag] | None:
+    """Return path and temperature of the log whose temperature has the widest range."""
+    known = [(log.provenance.path, lag) for log, lag in zip(logs, lags, strict=True) if lag is not None]
+    return max(known, key=lambda one: float(np.ptp(one[1].celsius)), default=None)
+
+
 def _groups(
-    logs: Sequence[Log], parameters: Parameters
+    logs: Sequence[Log], lags: Sequence[ThermalLag | None], parameters: Parameters
 ) -> tuple[tuple[str, ...], list[list[LogPart]], list[Note], Doubts]:
     """Return how each log was divided, the parts at each temperature with enough samples, notes, and what is in doubt."""
     parts: list[LogPart] = []
     cuts: list[str] = []
     notes: list[Note] = []
     doubts = Doubts()
-    for i, log in enumerate(logs):
-        cut, log_parts, log_doubts = parts_of(i, log, parameters.celsius[i] if parameters.celsius else None, parameters)
+    for i, (log, thermal) in enumerate(zip(logs, lags, strict=True)):
+        given = parameters.celsius[i] if parameters.celsius else None
+        cut, log_parts, log_doubts = parts_of(i, log, given, parameters, thermal)
         parts += log_parts
         cuts.append(cut)
         doubts += log_doubts
     groups = grouped(parts, lambda part: part.stretch.nominal)
     usable = [group for group in groups if any(part.has_enough() for part in group)]
+    if len(usable) < 2 and parameters.cut == "auto" and "plateaus" in cuts:  # noqa: PLR2004 - one temperature only
+        # The plateau at the end of a warm-up is one temperature, and the way to it has others.
+        return _groups(logs, lags, replace(parameters, cut="bins"))
     short = [group[0].stretch.nominal for group in groups if group not in usable]
     if short:
         where = ", ".join(f"{t:.4g}" for t in short[:NAMED]) + (" ..." if len(short) > NAMED else "")

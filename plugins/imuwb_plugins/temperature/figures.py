@@ -119,6 +119,12 @@ def bias(result: Result, sensor: str, axes: Sequence[str]) -> Figure:
         if law is not None and law.value.size:
             change = (law.value - over.reference_bias) / unit.factor
             curves.append(Curve("", law.temperature, change, color, style="fit"))
+        if over.polynomial is not None:
+            p = over.polynomial
+            change = (p.value - (0.0 if axis.startswith("accel") else over.reference_bias)) / unit.factor
+            curves.append(Curve("", p.temperature, change, color, style="faint"))
+    if any(result.axes[axis].polynomial is not None for axis in axes):
+        curves.append(Curve("polynomial of the samples", np.empty(0), np.empty(0), AXIS_COLORS["x"], style="faint"))
     return Figure(
         f"{sensor}: bias by temperature", CELSIUS, f"change from {result.reference:g} °C [{unit.name}]", tuple(curves),
         x_scale="linear", y_scale="linear",

@@ -23,6 +23,11 @@ class Parameters(Options):
     bins: Annotated[
         float, "Width of a ramp's bins; 0: 5, or 10 or 20 if smaller bins have too few samples (°C).", Between(0.0, 50.0)
     ] = 0.0  # fmt: skip
+    lag: Annotated[
+        float | None,
+        "Time by which the thermometer lags the sensor, negative if the sensor lags; 0: none is removed; default: estimated (s).",
+        Between(-3600.0, 3600.0),
+    ] = None
     function: Annotated[
         Literal["auto", "constant", "linear", "quadratic", "cubic", "piecewise", "spline", "arrhenius"],
         "Function of temperature; auto chooses by cross-validation.",

@@ -10,7 +10,7 @@ from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of
 from imuwb.errors import MissingDataError
 from imuwb.health import Doubts, record_doubts, stillness_of
-from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
+from imuwb.identification.temperature import Record, Stretch, ThermalLag, smooth_temperature, stretches
 from imuwb.log import SECOND, Log
 from imuwb.sampling import longest_part
 from imuwb_plugins.temperature.parameters import Parameters
@@ -18,6 +18,7 @@ from imuwb_plugins.temperature.parameters import Parameters
 Item = TypeVar("Item")
 TOGETHER = 1.0  #: °C; set-points that differ by no more have one temperature
 FEWEST = 1024  #: fewest samples of a record
+WINDOWS = 2.0  #: windows of the smoothed temperature on both sides of its turn, which smooth the turn
 STEADY = 0.2  #: °C; a smoothed temperature that spans no more is constant
 
 
@@ -61,7 +62,7 @@ class LogPart:
 
 
 def parts_of(
-    number: int, log: Log, given: float | None, parameters: Parameters
+    number: int, log: Log, given: float | None, parameters: Parameters, thermal: ThermalLag | None = None
 ) -> tuple[str, tuple[LogPart, ...], Doubts]:
     """Return how a log was divided, its stretches, and what the record shows against their noise.
 
@@ -70,13 +71,14 @@ def parts_of(
         log: a log of a still sensor.
         given: °C, temperature of the log; None: by its thermometer.
         parameters: options.
+        thermal: temperature of the sensor, in place of that of a thermometer which lags; None: not known.
 
     Raises:
         MissingDataError: the log has no temperature, or the sensor moves.
     """
     imu, path = log.imu(), log.provenance.path
     axes = axes_of(imu)
-    doubts = _check_stillness(log)
+    doubts = _check_stillness(log, thermal)
     if given is not None:
         begin, end = log.seconds(next(iter(axes.values())).time[[0, -1]]).tolist()
         stretch = Stretch(begin, end, given, 0.0, given, None)
@@ -86,15 +88,35 @@ def parts_of(
             f"{path}: {imu.name} has no temperature; give it: --celsius with one number for each log, such as -30,0,30"
         )
     time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
+    if thermal is not None and thermal.evident:
+        time, celsius = thermal.time, thermal.celsius
     rate = 1 / next(iter(axes.values())).clock.interval
-    cut, parts = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
+    wanted = None if parameters.cut == "auto" else parameters.cut
+    cut, parts = stretches(time, celsius, rate, wanted, parameters.bins, near_turns(thermal))
     thermometer = None if cut == "set-point" and np.ptp(celsius) == 0 else (time, celsius)
     return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in parts), doubts
 
 
-def _check_stillness(log: Log) -> Doubts:
+def near_turns(thermal: ThermalLag | None) -> float:
+    """Return the time on both sides of a turn of the temperature that is left out, s.
+
+    There an error of the lag, or a hysteresis that takes time to change, would look like a random walk.
+    """
+    if thermal is None or not thermal.turns:
+        return 0.0
+    window = WINDOWS * thermal.window.width
+    return max(abs(thermal.lag.value), window) if thermal.evident else window
+
+
+def _check_stillness(log: Log, thermal: ThermalLag | None) -> Doubts:
     """Return what the record shows against its noise; raise MissingDataError if the sensor moves in most of the log."""
-    still = stillness_of(log)
+
+    def drift(name: str, at: Floats) -> Floats:
+        if thermal is None or name not in thermal.drift:
+            return np.zeros(at.size)
+        return np.interp(at, thermal.time, thermal.drift[name])
+
+    still = stillness_of(log, drift if thermal is not None else None)
     if still is not None and still.moving:
         raise MissingDataError(
             f"{log.provenance.path}: the sensor moves in most parts of the log; noise needs a still sensor. Its longest quiet part: "

@@ -6,6 +6,7 @@ from imuwb.arrays import Floats
 from imuwb.health import Doubts
 from imuwb.identification.temperature import AxisTemperatures, Dependence, FirstOrder, FunctionCandidate, Hysteresis
 from imuwb.statistics import Coefficient, Estimate
+from imuwb.texts import estimate_text
 
 CONVENTION = "AR(1): x(n) = -alpha x(n-1) + beta0 w(n); the paper's b(k+1) = C b(k) + e has C = -alpha"
 
@@ -61,6 +62,42 @@ class FunctionResult:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
+class PolynomialResult:
+    """The bias X0 + X1 d + X2 d² + X3 d³, d = T - reference, fitted to the samples of one record, in SI."""
+
+    log: str
+    reference: float  #: °C
+    factors: tuple[Estimate, ...]  #: X0 (of an accelerometer 0) ... X3
+    lowest: float  #: °C, coldest temperature of the record; the polynomial does not hold below
+    highest: float  #: °C, hottest temperature of the record; the polynomial does not hold above
+    temperature: Floats  #: °C
+    value: Floats
+    lower: Floats
+    upper: Floats
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LagResult:
+    """The lag of one log's thermometer."""
+
+    log: str
+    lag: Estimate  #: s; positive: the thermometer lags the sensor; negative: the sensor lags the thermometer
+    removed: bool  #: whether the record shows it, or it was given
+    hysteresis: dict[str, Estimate]  #: bias with rising minus bias with falling temperature, over the whole log, SI
+
+    def __repr__(self) -> str:
+        """Return the lag, in one line."""
+        return f"{self.log}: {self.lag}{'' if self.removed else ', not removed'}"
+
+
+def lag_sentence(one: LagResult) -> str:
+    """Return what lags, by how much, such as: the thermometer lags the sensor by 120.4 [119.6, 121.2] s; the lag is removed."""
+    late, early = ("thermometer", "sensor") if one.lag.value > 0 else ("sensor", "thermometer")
+    size = one.lag if one.lag.value > 0 else one.lag.scaled(-1.0, "s")
+    return f"the {late} lags the {early} by {estimate_text(size, 's')}; the lag is removed"
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class TemperatureAxis:
     """One axis."""
 
@@ -69,6 +106,7 @@ class TemperatureAxis:
     functions: dict[str, FunctionResult]
     hysteresis: tuple[Hysteresis, ...]
     turn_on: float | None  #: standard deviation of the bias between logs at one temperature
+    polynomial: PolynomialResult | None  #: of the record with the widest range; None: no record has a range
     reference_bias: float  #: value of ``bias`` at the reference temperature, by its function
     over: AxisTemperatures = field(metadata={"document": False})
 
@@ -84,6 +122,7 @@ class Result:
     reference: float  #: °C
     convention: str
     cut: tuple[str, ...]  #: division of each log
+    lags: tuple[LagResult, ...]  #: of the logs whose temperature changes
     rate_hz: dict[str, float]
     axes: dict[str, TemperatureAxis]
     notes: tuple[str, ...]

@@ -52,8 +52,12 @@ def _bias(result: Result, groups: dict[str, list[str]], review: Review) -> None:
     for sensor, axes in loops.items():
         if axes:
             review.figure(figures.hysteresis(result, SENSORS[sensor], axes))
+    if result.lags:
+        review.table(tables.lags(result))
     for sensor, axes in groups.items():
         review.table(tables.bias(result, SENSORS[sensor], axes))
+        if any(result.axes[axis].polynomial is not None for axis in axes):
+            review.table(tables.polynomials(result, SENSORS[sensor], axes))
 
 
 def draw_study(result: Study, review: Review) -> None:

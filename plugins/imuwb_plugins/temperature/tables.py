@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
+import numpy as np
+
 from imuwb.analysis import Table
 from imuwb.identification.temperature import KINDS, FirstOrder
 from imuwb.statistics import Coefficient
@@ -129,6 +131,50 @@ def bias(result: Result, sensor: str, axes: Sequence[str]) -> Table:
         caption += f" Standard deviation between logs at one temperature, without noise: {', '.join(turn_on)}."
     columns: list[Column] = [(f"bias {{axis}} [{unit.name}]", lambda p: estimate_text(p.bias, "", unit.factor))]
     return _by_temperature(result, axes, f"{sensor}: bias by temperature", columns, caption)
+
+
+def lags(result: Result) -> Table:
+    """Return the lag of each log's thermometer, and the hysteresis of each axis."""
+    rows: list[tuple[str, ...]] = []
+    for one in result.lags:
+        lag = estimate_text(one.lag, "s") if np.isfinite(one.lag.upper) else "not determined"
+        state = "removed" if one.removed else "left in"
+        for axis, loop in one.hysteresis.items():
+            unit = coefficient_units(axis, "rate")[1]
+            rows.append((one.log, lag, state, axis, estimate_text(loop, unit.name, unit.factor)))
+        if not one.hysteresis:
+            rows.append((one.log, lag, state, "—", "the temperature does not turn"))
+    caption = (
+        f"[{100 * result.level:g} % interval]. Lag: time constant of first order by which the thermometer lags the sensor; negative: "
+        "the sensor lags the thermometer. It is removed where the record shows it. Hysteresis: bias with rising minus bias with "
+        "falling temperature over the whole log, at the sensor's own temperature."
+    )
+    headings = ("log", "lag", "lag is", "axis", "hysteresis")
+    return Table("Lag of the thermometer, and hysteresis", headings, tuple(rows), caption)
+
+
+def polynomials(result: Result, sensor: str, axes: Sequence[str]) -> Table:
+    """Return the polynomials of the bias about a reference."""
+    unit = coefficient_units(axes[0], "rate")[1]
+    known = [(axis, p) for axis in axes if (p := result.axes[axis].polynomial) is not None]
+    rows = tuple(
+        (
+            axis,
+            *(estimate_text(f, "", unit.factor) if f.sigma else "0" for f in p.factors),
+            *("—",) * (4 - len(p.factors)),
+        )
+        for axis, p in known
+    )
+    first = known[0][1]
+    caption = (
+        f"bias = X0 + X1 d + X2 d² + X3 d³, d = T - {first.reference:.4g} °C, [{100 * result.level:g} % interval]; fitted to the samples of "
+        f"{first.log}; a highest order that chance explains is left out. It holds from {first.lowest:.1f} to {first.highest:.1f} °C, and "
+        "nowhere else."
+    )
+    if axes[0].startswith("accel"):
+        caption += " X0 is 0: one attitude does not separate the bias from gravity."
+    headings = ("axis", *(f"X{k} [{unit.name}{power}]" for k, power in enumerate(("", "/°C", "/°C²", "/°C³"))))
+    return Table(f"{sensor}: polynomial of the bias", headings, rows, caption)
 
 
 def functions(result: Result) -> Table:

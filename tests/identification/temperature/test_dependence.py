@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from imuwb.identification.temperature import Record, heterogeneity, over_temperature, set_point_of
+from imuwb.identification.temperature import Record, dependence, heterogeneity, over_temperature, set_point_of
 from imuwb.identification.temperature.dependence import DRAWS, _drawn, depends
 from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
@@ -46,6 +46,16 @@ def test_the_score_test_of_n_is_that_of_its_estimates():
 def test_a_change_of_a_tenth_is_found_and_none_is_not():
     assert depends(chamber(np.linspace(0.005, 0.0055, 5), 2), "N").depends is True
     assert depends(chamber([0.005] * 5, 3), "N").p_value > 1e-4
+
+
+def test_a_test_whose_degrees_of_freedom_vanish_is_refused(monkeypatch):
+    points = chamber([0.005] * 3, 4)
+    monkeypatch.setattr(
+        dependence, "_common", lambda *_: (1e-12, np.array([1e11, 2e10, -1e10]), np.array([1e12, 2e12, 1e12]))
+    )
+    found = depends(points, "K")
+    assert (found.statistic, found.critical, found.depends) == (None, None, None)
+    assert "degrees of freedom" in found.distribution
 
 
 def test_the_law_of_an_unsure_coefficient_is_drawn_and_wider():

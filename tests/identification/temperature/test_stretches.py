@@ -60,6 +60,17 @@ def test_a_ramp_up_and_down_is_cut_into_bins_of_both_legs():
     assert all(b[0] >= a[1] for a, b in pairwise(ends))
 
 
+def test_nothing_is_cut_from_near_a_turn():
+    time = np.arange(0, 7201.0)
+    celsius = -20 + 40 * (1 - np.abs(time / 3600 - 1))
+    (_, whole), (_, found) = (stretches(time, celsius, 100.0, around=around) for around in (0.0, 200.0))
+    assert len(found) == len(whole)
+    assert all(s.end < 3600 - 195 or s.start > 3600 + 195 for s in found)
+    assert {(s.start, s.end) for s in whole} - {(s.start, s.end) for s in found} == {
+        (s.start, s.end) for s in whole if abs(s.start - 3600) < 100 or abs(s.end - 3600) < 100
+    }
+
+
 def test_bins_widen_until_they_hold_enough():
     time = np.arange(0, 1001.0)
     celsius = np.linspace(-40, 60, time.size)
