@@ -23,6 +23,7 @@ LOGS, ANALYSES, RESULTS = "Logs", "Analyses", "Results"
 COMMANDS = {
     "info": (LOGS, "Show the streams of a log: rates, gaps, clocks, units, frames and repairs."),
     "convert": (LOGS, "Write all streams of a log, or a part of them, as MCAP or CSV."),
+    "plan": (LOGS, "State how long to record a still sensor, so that its noise is known as well as wanted."),
     "simulate": (LOGS, "Simulate logs of sensors whose errors are known."),
     "model": (RESULTS, "Show, compare, check, export, import and explain error models."),
     "view": (RESULTS, "Open a recording in the Rerun viewer on this machine."),

@@ -25,6 +25,11 @@ from .likelihood.fit import spectrum_without as spectrum_without
 from .likelihood.model_choice import ModelCandidate as ModelCandidate
 from .likelihood.model_choice import ModelChoice as ModelChoice
 from .likelihood.model_choice import choose_model as choose_model
+from .likelihood.record_plan import Need as Need
+from .likelihood.record_plan import RecordPlan as RecordPlan
+from .likelihood.record_plan import curve_of as curve_of
+from .likelihood.record_plan import model_of_fits as model_of_fits
+from .likelihood.record_plan import plan_record as plan_record
 from .record.stationarity import Stationarity as Stationarity
 from .record.stationarity import stationarity as stationarity
 from .record.stillness import Disturbance as Disturbance

@@ -116,6 +116,16 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     )  # fmt: skip
 
 
+def expected_spectrum(n: int, dt: float) -> CosineSpectrum:
+    """Return the coefficients and bins that a record of n samples has, without values: all that Fisher's information needs."""
+    index = np.arange(1, LOW + 1)
+    edges = _edges(n)
+    blank = np.ones(edges.size - 1)
+    return CosineSpectrum(
+        n, dt, 0.0, index, np.zeros(LOW), edges[:-1], edges[1:] - 1, blank, (edges[1:] - edges[:-1]).astype(np.int64)
+    )
+
+
 @compiled(reorder=True)
 def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover - compiled
     """Return the mean, and the slope per sample, of the least-squares line."""

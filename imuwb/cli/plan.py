@@ -1,0 +1,224 @@
+"""imuwb plan: how long to record a still sensor."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from imuwb.cli.options import Force, Full, output_option
+from imuwb.errors import UsageError
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from collections.abc import Mapping
+
+    from imuwb.analysis import Answer
+    from imuwb.identification import RecordPlan
+    from imuwb.review.answers.panel import Origin
+    from imuwb.stochastic import ImuErrorModel
+
+LETTERS = "QNBK"
+USUAL_RATE = 100.0  #: Hz
+LONGEST, WIDEST = 1e4, 0.9  #: h, and half width
+SENSOR, RECORD = "The sensor", "The record"
+
+
+def plan(
+    *,
+    want: Annotated[
+        str,
+        typer.Option(
+            help="Half the width of the interval that each coefficient is to have, of its value.",
+            metavar="N:1%,B:10%,K:30%",
+            rich_help_panel=RECORD,
+        ),
+    ] = "N:1%,B:10%,K:30%",
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            help="A published sensor; imuwb model list has the names.", metavar="NAME", rich_help_panel=SENSOR
+        ),
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option(help="The error model of a sensor.", metavar="FILE.toml", rich_help_panel=SENSOR)
+    ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="A first, short record of the still sensor.", metavar="LOG", rich_help_panel=SENSOR),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            help="Rate of the samples (Hz). Default: that of the model or of the record, else 100.",
+            metavar="HZ",
+            rich_help_panel=RECORD,
+        ),
+    ] = None,
+    hours: Annotated[
+        float | None,
+        typer.Option(help="State what a record of this length (h) reaches.", metavar="HOURS", rich_help_panel=RECORD),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        output_option(
+            "--output", "-o", text="Draw the widths against the length in this recording.", metavar="FILE.rrd"
+        ),
+    ] = None,
+    force: Force = False,
+    full: Full = False,
+    json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
+) -> None:
+    """State how long to record a still sensor, so that its noise is known as well as wanted.
+
+    The answer comes from the Fisher information of the likelihood that imuwb noise uses.
+
+    Example: imuwb plan --preset mpu-6050 --want N:1%,B:10% --rate 200
+    """
+    from dataclasses import replace  # noqa: PLC0415 - as small as the command
+
+    from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.places import reserved  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
+    from imuwb.identification import plan_record  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
+    from imuwb.review.answers.plan_answer import plan_answer, plan_table  # noqa: PLC0415
+
+    wants = wanted(want)
+    for name, value, most in (("--rate", rate, 1e6), ("--hours", hours, LONGEST)):
+        if value is not None and not 0 < value <= most:
+            raise UsageError(f"{name} is {value}; it must be above 0 and at most {most:g}")
+    if output is not None and output.suffix != ".rrd":
+        raise UsageError(f"--output {output}: the suffix must be .rrd")
+    sensor, own_rate, origin_name, typed = _sensor(preset, model, record)
+    used = rate or own_rate or USUAL_RATE
+    try:
+        found = plan_record(sensor, wants, used, hours=hours)
+    except ValueError as error:
+        raise UsageError(f"--hours {hours}: {error}") from error
+    length = found.hours or 1.0
+    steps = (
+        Step(
+            f"imuwb plan {typed} --want {want} --rate {used:g} --hours {2 * length:.2g}", "what twice the time reaches"
+        ),
+        Step("imuwb noise RECORD", "the coefficients of the record"),
+    )
+    answer, origin = plan_answer(found, wants, steps), Origin("plan", (origin_name,))
+    if json:
+        typer.echo(_json(found, wants))
+    if output is not None:
+        with reserved([output], [path for path in (model, record) if path is not None], force=force):
+            _draw(found, sensor, wants, output, answer, origin)
+    if json:
+        return
+    if full:
+        shower(data=True)(plan_table(found))
+    wrote = () if output is None else (f"{output} (imuwb view)",)
+    print_panel(answer, replace(origin, wrote=wrote), data=True)
+
+
+def wanted(text: str) -> dict[str, float]:
+    """Return the widths of ``N:1%,B:10%``: letter -> half width, a fraction.
+
+    Raises:
+        UsageError: another form, letter, or a width outside of 0 % to 90 %.
+    """
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        letter, _, size = part.strip().partition(":")
+        try:
+            width = float(size.strip().removesuffix("%")) / (100 if size.strip().endswith("%") else 1)
+        except ValueError:
+            width = math.nan
+        if letter not in tuple(LETTERS) or not 0 < width <= WIDEST or letter in found:
+            raise UsageError(
+                f"--want {text}: {part.strip()!r} is not understood; write a letter of {', '.join(LETTERS)} and a width above 0 % and "
+                f"at most {100 * WIDEST:g} %, each letter once, such as N:1%,B:10%,K:30%"
+            )
+        found[letter] = width
+    return found
+
+
+def _sensor(
+    preset: str | None, model: Path | None, record: Path | None
+) -> "tuple[ImuErrorModel, float | None, str, str]":
+    """Return a sensor's model, its rate (Hz), its name, and the option that was typed."""
+    import shlex  # noqa: PLC0415 - as small as the command
+
+    from imuwb.estimators.export import model_rate  # noqa: PLC0415 - help must not wait
+    from imuwb.simulation import preset as preset_named  # noqa: PLC0415
+    from imuwb.simulation import sensor_model  # noqa: PLC0415
+
+    given = [
+        (option, value) for option, value in (("--preset", preset), ("--model", model), ("--record", record)) if value
+    ]
+    if len(given) != 1:
+        raise UsageError(
+            "a plan needs one sensor: give --preset NAME, --model FILE.toml, or --record LOG, a first short record"
+        )
+    option, value = given[0]
+    typed = f"{option} {shlex.quote(str(value))}"
+    if preset is not None:
+        return preset_named(preset), None, preset, typed
+    if model is not None:
+        read = sensor_model(model)
+        return read, model_rate(read), str(model), typed
+    read, rate = _fitted(Path(str(value)))
+    return read, rate, str(value), typed
+
+
+def _fitted(path: Path) -> "tuple[ImuErrorModel, float]":
+    """Return the likeliest terms of a short record, and its rate (Hz)."""
+    from imuwb.axes import axes_of  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.reading import read_log  # noqa: PLC0415
+    from imuwb.errors import MissingDataError  # noqa: PLC0415
+    from imuwb.identification import fit_likelihood, model_of_fits  # noqa: PLC0415
+    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
+
+    log = read_log(path, ReadOptions())
+    axes = axes_of(log.imu())
+    try:
+        fits = {name: fit_likelihood(axis.longest, axis.clock.interval) for name, axis in axes.items()}
+    except ValueError as error:
+        raise MissingDataError(f"{path}: {error}") from error
+    return model_of_fits(log.imu().name, fits), max(1 / axis.clock.interval for axis in axes.values())
+
+
+def _json(found: "RecordPlan", wants: "Mapping[str, float]") -> str:
+    from imuwb.review.answers.document import json_text  # noqa: PLC0415 - only here
+
+    return json_text({"schema": 1, "wants": dict(wants), "plan": found})
+
+
+def _draw(
+    found: "RecordPlan",
+    sensor: "ImuErrorModel",
+    wants: "Mapping[str, float]",
+    output: Path,
+    answer: "Answer",
+    origin: "Origin",
+) -> None:
+    from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
+    from imuwb.review.answers.document import json_text  # noqa: PLC0415 - help must not wait
+    from imuwb.review.answers.panel import panel  # noqa: PLC0415
+    from imuwb.review.answers.plan_answer import plan_figure, plan_table  # noqa: PLC0415
+    from imuwb.review.recording.properties import properties, recording_name  # noqa: PLC0415
+    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
+
+    review = RecordingReview(output)
+    try:
+        review.tab("Plan")
+        for kind in ("gyro", "accel"):
+            figure = plan_figure(found, sensor, wants, kind)
+            if figure is not None:
+                review.figure(figure)
+        review.table(plan_table(found))
+        review.summary(panel(answer, origin))
+        stated = properties(origin.analysis, __version__, None, (), answer, ())
+        name = f"{recording_name(origin.analysis, (), answer)} · {origin.logs[0]}"
+        review.state(
+            name, {**stated, "log": list(origin.logs)}, json_text({"analysis": origin.analysis, "plan": found})
+        )
+        review.close()
+    except BaseException:
+        review.discard()
+        raise
