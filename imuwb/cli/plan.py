@@ -98,7 +98,8 @@ def plan(
     length = found.hours or 1.0
     steps = (
         Step(
-            f"imuwb plan {typed} --want {want} --rate {used:g} --hours {2 * length:.2g}", "what twice the time reaches"
+            f"imuwb plan {typed} --want {want} --rate {used:g} --hours {_round(2 * length):g}",
+            "what twice the time reaches",
         ),
         Step("imuwb noise RECORD", "the coefficients of the record"),
     )
@@ -181,6 +182,10 @@ def _fitted(path: Path) -> "tuple[ImuErrorModel, float]":
     except ValueError as error:
         raise MissingDataError(f"{path}: {error}") from error
     return model_of_fits(log.imu().name, fits), max(1 / axis.clock.interval for axis in axes.values())
+
+
+def _round(hours: float) -> float:
+    return float(f"{hours:.2g}")
 
 
 def _json(found: "RecordPlan", wants: "Mapping[str, float]") -> str:

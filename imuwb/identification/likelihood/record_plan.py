@@ -60,74 +60,64 @@ def plan_record(
     Raises:
         ValueError: a record of fewer than 256 samples.
     """
-    sums = {axis: _with_limits(own, wants) for axis, own in model.axes.items()}
-    found = [
-        (axis, letter, want, hours_needed(sums[axis], letter, want, rate, level))
-        for axis in model.axes
-        for letter, want in wants.items()
-    ]
-    longest = max((needed for *_, needed in found if needed is not None), default=None)
-    length = longest if hours is None else hours
-    states = {
-        axis: {} if length is None else reached(own, rate, length, level, "".join(wants)) for axis, own in sums.items()
+    sums = {(axis, letter): _with_limit(own, letter) for axis, own in model.axes.items() for letter in wants}
+    hours_of = {
+        (axis, letter): hours_needed(own, letter, wants[letter], rate, level) for (axis, letter), own in sums.items()
     }
+    own_terms = {axis: _letters(own.processes) for axis, own in model.axes.items()}
+    sure = [length for (axis, letter), length in hours_of.items() if length is not None and letter in own_terms[axis]]
+    longest = max(sure, default=None)
+    length = longest if hours is None else hours
     needs = tuple(
         Need(
             axis,
             letter,
-            want,
-            needed,
-            letter not in _letters(model.axes[axis].processes) and letter in _letters(sums[axis]),
-            letter in _letters(sums[axis]),
-            states[axis].get(letter),
+            wants[letter],
+            hours_of[axis, letter],
+            letter not in own_terms[axis] and letter in _letters(processes),
+            letter in _letters(processes),
+            None if length is None else reached(processes, rate, length, level, letter)[letter],
         )
-        for axis, letter, want, needed in found
+        for (axis, letter), processes in sums.items()
     )
     slowest = None
     if longest is not None:
-        slowest = max(rate_enough(sums[axis], _within(needs, axis), rate, level) for axis in model.axes)
+        slowest = max(rate_enough(own.processes, _within(needs, axis), rate, level) for axis, own in model.axes.items())
     return RecordPlan(model.name, rate, level, needs, length, hours is not None, slowest)
 
 
 def _within(needs: tuple[Need, ...], axis: str) -> dict[str, float]:
-    return {need.letter: need.want for need in needs if need.axis == axis and need.hours is not None}
+    """Return the wanted widths of the terms that an axis has, and that can be reached."""
+    return {n.letter: n.want for n in needs if n.axis == axis and n.hours is not None and not n.at_limit}
 
 
 def _letters(processes: Sum) -> set[str]:
     return {LETTERS[type(term)] for term in processes.terms if type(term) in LETTERS}
 
 
-def _with_limits(axis: AxisModel, wants: Mapping[str, float]) -> Sum:
-    """Return the processes of an axis; a wanted one that is absent has its upper limit, where that is known."""
-    absent = [letter for letter in wants if letter not in _letters(axis.processes) and axis.limits.get(letter, 0.0) > 0]
-    return Sum((*axis.processes.terms, *(UNITS_OF_SIZE[letter](axis.limits[letter]) for letter in absent)))
+def _with_limit(axis: AxisModel, letter: str) -> Sum:
+    """Return the processes of an axis; if one that is wanted is absent, its upper limit stands for it, where that is known."""
+    limit = 0.0 if letter in _letters(axis.processes) else axis.limits.get(letter, 0.0)
+    return Sum((*axis.processes.terms, *((UNITS_OF_SIZE[letter](limit),) if limit > 0 else ())))
 
 
 def model_of_fits(name: str, fits: Mapping[str, LikelihoodFit]) -> ImuErrorModel:
-    """Return the error model of a short record's fits: the likeliest terms, and the limits of those that it does not show."""
-    axes = {
-        axis: AxisModel(
-            Sum(tuple(term for term in fit.processes.terms if type(term) in LETTERS)),
-            limits={
-                x: c.upper
-                for x, c in fit.coefficients.items()
-                if x in UNITS_OF_SIZE and _only_limited(c.value, c.upper)
-            },
-        )
-        for axis, fit in fits.items()
-    }
+    """Return the error model of a short record's fits: the terms that it shows, and the limits of those that it does not show."""
+    axes: dict[str, AxisModel] = {}
+    for axis, fit in fits.items():
+        own = fit.identified.terms
+        shown = _letters(Sum(own))
+        limits = {x: c.upper for x, c in fit.coefficients.items() if x in UNITS_OF_SIZE and x not in shown}
+        kept = {x: limit for x, limit in limits.items() if np.isfinite(limit) and limit > 0}
+        axes[axis] = AxisModel(Sum(tuple(term for term in own if type(term) in LETTERS)), limits=kept)
     return ImuErrorModel(name, axes)
 
 
-def _only_limited(value: float | None, upper: float) -> bool:
-    return value is None and bool(np.isfinite(upper)) and upper > 0
-
-
 def curve_of(
-    model: ImuErrorModel, axis: str, letter: str, wants: Mapping[str, float], rate: float, longest: float, level: float
+    model: ImuErrorModel, axis: str, letter: str, rate: float, longest: float, level: float
 ) -> tuple[Floats, Floats]:
     """Return lengths (h) and the widths that they reach, for a figure; only where the interval does not begin at 0."""
-    processes = _with_limits(model.axes[axis], wants)
+    processes = _with_limit(model.axes[axis], letter)
     hours = np.geomspace(max(1e-4 * longest, 600 / rate / 3600), min(3 * longest, MOST_HOURS), 40)
     widths = np.array([reached(processes, rate, float(h), level, letter)[letter].width for h in hours])
     shown = np.isfinite(widths)

@@ -32,7 +32,7 @@ def plan_answer(plan: RecordPlan, wants: Mapping[str, float], steps: Sequence[St
 
 
 def _sentences(plan: RecordPlan) -> Iterator[str]:
-    reachable = [need for need in plan.needs if need.hours is not None]
+    reachable = [need for need in plan.needs if need.hours is not None and not need.at_limit]
     if not plan.stated and plan.hours is not None:
         worst = max(reachable, key=lambda need: need.hours or 0.0)
         yield f"Record {_hours(plan.hours)}: {worst.letter} of {worst.axis.replace('_', ' ')} needs the longest."
@@ -45,7 +45,7 @@ def _sentences(plan: RecordPlan) -> Iterator[str]:
     if any(need.at_limit for need in plan.needs):
         yield "≥: only an upper limit is known, and stands for the term; a smaller one takes longer."
     if plan.slowest is not None and plan.slowest < plan.rate:
-        yield f"A rate of {plan.slowest:.3g} Hz is enough, if the sensor averages over its samples; it costs 5 % of time at most."
+        yield f"{plan.slowest:.3g} Hz is enough, if the sensor averages over its samples."
     if plan.hours is not None:
         yield "This holds at one temperature, and for the terms that the model has."
 
@@ -61,7 +61,7 @@ def _unreached(plan: RecordPlan) -> Iterator[str]:
             if (worst := max(needs, key=lambda n: n.at_length.limit if n.at_length else 0.0)).at_length is not None
         )
         more = f"; {_hours(plan.hours)} would show it above: {seen}" if seen else ""
-        yield f"{letter} is not in the model of {_axes(own)}, so no length can be stated{more}."
+        yield f"{letter} is not in the model of {_axes(own)}, so no length is stated{more}."
     hidden = [need for need in plan.needs if need.known and need.hours is None]
     for letter, own in _by_letter(hidden).items():
         yield f"{letter} of {_axes(own)} is not reached within {MOST_HOURS:g} h: the other terms cover it at all averaging times that such a record has."
@@ -91,11 +91,11 @@ def plan_figure(plan: RecordPlan, model: ImuErrorModel, wants: Mapping[str, floa
         return None
     curves: list[Curve] = []
     for place, letter in enumerate(wants):
-        hours, widths = curve_of(model, axis, letter, wants, plan.rate, plan.hours, plan.level)
+        hours, widths = curve_of(model, axis, letter, plan.rate, plan.hours, plan.level)
         if hours.size > 1:
             curves.append(Curve(letter, hours, 100 * widths, color_at(place), style="curve"))
             want = np.full(2, 100 * wants[letter])
-            curves.append(Curve(f"{letter} wanted", hours[[0, -1]], want, color_at(place), style="dashed"))
+            curves.append(Curve(f"{letter} wanted", hours[[0, -1]], want, color_at(place), style="faint"))
     title = f"{axis.replace('_', ' ')}: width of the intervals by the length of a still record"
     return Figure(title, "length [h]", "half width [%]", tuple(curves)) if curves else None
 
