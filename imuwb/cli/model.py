@@ -14,7 +14,7 @@ from imuwb.cli.parameters import expanded
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
-    from imuwb.analysis import Answer
+    from imuwb.analysis import Answer, Review
     from imuwb.review.answers.panel import Origin
     from imuwb.stochastic import ImuErrorModel
 
@@ -174,22 +174,12 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
 def _draw(
     models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path, answer: "Answer", origin: "Origin"
 ) -> None:
-    from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
-    from imuwb.review.answers.document import json_text  # noqa: PLC0415 - help must not wait
-    from imuwb.review.answers.models import draw_models  # noqa: PLC0415
-    from imuwb.review.answers.panel import panel  # noqa: PLC0415
-    from imuwb.review.recording.properties import properties, recording_name  # noqa: PLC0415
-    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
+    from imuwb.review.answers.models import draw_models  # noqa: PLC0415 - help must not wait
+    from imuwb.review.recording.answered import write_answer  # noqa: PLC0415 - the viewer's library is slow to import
 
-    review = RecordingReview(output)
-    try:
-        review.tab("Model" if len(models) == 1 else "Models")
+    def draw(review: "Review") -> None:
         draw_models(models, rate, hours * 3600, review)
-        review.summary(panel(answer, origin))
-        stated = properties(origin.analysis, __version__, None, (), answer, ())
-        name = f"{recording_name(origin.analysis, (), answer)} · {', '.join(models)}"
-        review.state(name, {**stated, "log": list(models)}, json_text({"analysis": origin.analysis, "models": models}))
-        review.close()
-    except BaseException:
-        review.discard()
-        raise
+
+    write_answer(
+        output, "Model" if len(models) == 1 else "Models", answer, origin, tuple(models), {"models": models}, draw
+    )

@@ -10,106 +10,122 @@ from imuwb.cli.options import Force, Full, output_option
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:  # help must not wait for numpy
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from imuwb.analysis import Answer
+    from imuwb.analysis import Answer, Review, Step
     from imuwb.identification import RecordPlan
     from imuwb.review.answers.panel import Origin
     from imuwb.stochastic import ImuErrorModel
 
 LETTERS = "QNBK"
 USUAL_RATE = 100.0  #: Hz
-LONGEST, WIDEST = 1e4, 0.9  #: h, and half width
+FASTEST, LONGEST, WIDEST = 1e6, 1e4, 0.9  #: Hz, h, and half width
 SENSOR, RECORD = "The sensor", "The record"
+
+
+_Want = Annotated[
+    str,
+    typer.Option(
+        help="Half the width of the interval that each coefficient is to have, of its value.",
+        metavar="N:1%,B:10%,K:30%",
+        rich_help_panel=RECORD,
+    ),
+]
+_Preset = Annotated[
+    str | None,
+    typer.Option(help="A published sensor; imuwb model list has the names.", metavar="NAME", rich_help_panel=SENSOR),
+]
+_Model = Annotated[
+    Path | None, typer.Option(help="The error model of a sensor.", metavar="FILE.toml", rich_help_panel=SENSOR)
+]
+_Record = Annotated[
+    Path | None,
+    typer.Option(help="A first, short record of the still sensor.", metavar="LOG", rich_help_panel=SENSOR),
+]
+_Rate = Annotated[
+    float | None,
+    typer.Option(
+        help="Rate of the samples (Hz). Default: that of the model or of the record, else 100.",
+        metavar="HZ",
+        rich_help_panel=RECORD,
+    ),
+]
+_Hours = Annotated[
+    float | None,
+    typer.Option(help="State what a record of this length (h) reaches.", metavar="HOURS", rich_help_panel=RECORD),
+]
+_Output = Annotated[
+    Path | None,
+    output_option("--output", "-o", text="Draw the widths against the length in this recording.", metavar="FILE.rrd"),
+]
+_Json = Annotated[bool, output_option("--json", text="Print JSON on stdout.")]
 
 
 def plan(
     *,
-    want: Annotated[
-        str,
-        typer.Option(
-            help="Half the width of the interval that each coefficient is to have, of its value.",
-            metavar="N:1%,B:10%,K:30%",
-            rich_help_panel=RECORD,
-        ),
-    ] = "N:1%,B:10%,K:30%",
-    preset: Annotated[
-        str | None,
-        typer.Option(
-            help="A published sensor; imuwb model list has the names.", metavar="NAME", rich_help_panel=SENSOR
-        ),
-    ] = None,
-    model: Annotated[
-        Path | None, typer.Option(help="The error model of a sensor.", metavar="FILE.toml", rich_help_panel=SENSOR)
-    ] = None,
-    record: Annotated[
-        Path | None,
-        typer.Option(help="A first, short record of the still sensor.", metavar="LOG", rich_help_panel=SENSOR),
-    ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            help="Rate of the samples (Hz). Default: that of the model or of the record, else 100.",
-            metavar="HZ",
-            rich_help_panel=RECORD,
-        ),
-    ] = None,
-    hours: Annotated[
-        float | None,
-        typer.Option(help="State what a record of this length (h) reaches.", metavar="HOURS", rich_help_panel=RECORD),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        output_option(
-            "--output", "-o", text="Draw the widths against the length in this recording.", metavar="FILE.rrd"
-        ),
-    ] = None,
+    want: _Want = "N:1%,B:10%,K:30%",
+    preset: _Preset = None,
+    model: _Model = None,
+    record: _Record = None,
+    rate: _Rate = None,
+    hours: _Hours = None,
+    output: _Output = None,
     force: Force = False,
     full: Full = False,
-    json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
+    json: _Json = False,
 ) -> None:
     """State how long to record a still sensor, so that its noise is known as well as wanted.
 
-    The answer comes from the Fisher information of the likelihood that imuwb noise uses.
+    The answer comes from the Fisher information of the likelihood by which imuwb estimates noise.
 
     Example: imuwb plan --preset mpu-6050 --want N:1%,B:10% --rate 200
     """
-    from dataclasses import replace  # noqa: PLC0415 - as small as the command
-
-    from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.places import reserved  # noqa: PLC0415
-    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
-    from imuwb.identification import plan_record  # noqa: PLC0415
+    from imuwb.identification import plan_record  # noqa: PLC0415 - help must not wait
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
-    from imuwb.review.answers.plan_answer import plan_answer, plan_table  # noqa: PLC0415
+    from imuwb.review.answers.plan_answer import plan_answer  # noqa: PLC0415
 
     wants = wanted(want)
-    for name, value, most in (("--rate", rate, 1e6), ("--hours", hours, LONGEST)):
-        if value is not None and not 0 < value <= most:
-            raise UsageError(f"{name} is {value}; it must be above 0 and at most {most:g}")
-    if output is not None and output.suffix != ".rrd":
-        raise UsageError(f"--output {output}: the suffix must be .rrd")
-    sensor, own_rate, origin_name, typed = _sensor(preset, model, record)
+    _check(rate, hours, output)
+    sensor, own_rate, name, typed = _sensor(preset, model, record)
     used = rate or own_rate or USUAL_RATE
     try:
         found = plan_record(sensor, wants, used, hours=hours)
     except ValueError as error:
         raise UsageError(f"--hours {hours}: {error}") from error
-    length = found.hours or 1.0
-    steps = (
-        Step(
-            f"imuwb plan {typed} --want {want} --rate {used:g} --hours {_round(2 * length):g}",
-            "what twice the time reaches",
-        ),
-        Step("imuwb noise RECORD", "the coefficients of the record"),
-    )
-    answer, origin = plan_answer(found, wants, steps), Origin("plan", (origin_name,))
+    twice = f"imuwb plan {typed} --want {want} --rate {used:g} --hours {_round(2 * (found.hours or 1.0)):g}"
+    answer, origin = plan_answer(found, wants, tuple(_steps(twice))), Origin("plan", (name,))
+    if output is not None:
+        _written(found, sensor, wants, output, answer, origin, [path for path in (model, record) if path], force=force)
+    _print(found, wants, output, answer, origin, full=full, json=json)
+
+
+def _check(rate: float | None, hours: float | None, output: Path | None) -> None:
+    for name, value, most in (("--rate", rate, FASTEST), ("--hours", hours, LONGEST)):
+        if value is not None and not 0 < value <= most:
+            raise UsageError(f"{name} is {value}; it must be above 0 and at most {most:g}")
+    if output is not None and output.suffix != ".rrd":
+        raise UsageError(f"--output {output}: the suffix must be .rrd")
+
+
+def _steps(twice: str) -> "Iterator[Step]":
+    from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.next_steps import analysis_steps  # noqa: PLC0415
+
+    yield Step(twice, "what twice the time reaches")
+    yield from (Step(step.command.replace("{log}", "RECORD"), step.why) for step in analysis_steps({"imu"}))
+
+
+def _print(
+    found: "RecordPlan", wants: "Mapping[str, float]", output: Path | None, answer: "Answer", origin: "Origin", *,
+    full: bool, json: bool,
+) -> None:  # fmt: skip
+    from dataclasses import replace  # noqa: PLC0415 - as small as the command
+
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415 - help must not wait
+    from imuwb.review.answers.plan_answer import plan_table  # noqa: PLC0415
+
     if json:
         typer.echo(_json(found, wants))
-    if output is not None:
-        with reserved([output], [path for path in (model, record) if path is not None], force=force):
-            _draw(found, sensor, wants, output, answer, origin)
-    if json:
         return
     if full:
         shower(data=True)(plan_table(found))
@@ -194,36 +210,20 @@ def _json(found: "RecordPlan", wants: "Mapping[str, float]") -> str:
     return json_text({"schema": 1, "wants": dict(wants), "plan": found})
 
 
-def _draw(
-    found: "RecordPlan",
-    sensor: "ImuErrorModel",
-    wants: "Mapping[str, float]",
-    output: Path,
-    answer: "Answer",
-    origin: "Origin",
-) -> None:
-    from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
-    from imuwb.review.answers.document import json_text  # noqa: PLC0415 - help must not wait
-    from imuwb.review.answers.panel import panel  # noqa: PLC0415
+def _written(
+    found: "RecordPlan", sensor: "ImuErrorModel", wants: "Mapping[str, float]", output: Path, answer: "Answer", origin: "Origin",
+    inputs: "Sequence[Path]", *, force: bool,
+) -> None:  # fmt: skip
+    from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait
     from imuwb.review.answers.plan_answer import plan_figure, plan_table  # noqa: PLC0415
-    from imuwb.review.recording.properties import properties, recording_name  # noqa: PLC0415
-    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
+    from imuwb.review.recording.answered import write_answer  # noqa: PLC0415 - the viewer's library is slow to import
 
-    review = RecordingReview(output)
-    try:
-        review.tab("Plan")
+    def draw(review: "Review") -> None:
         for kind in ("gyro", "accel"):
             figure = plan_figure(found, sensor, wants, kind)
             if figure is not None:
                 review.figure(figure)
         review.table(plan_table(found))
-        review.summary(panel(answer, origin))
-        stated = properties(origin.analysis, __version__, None, (), answer, ())
-        name = f"{recording_name(origin.analysis, (), answer)} · {origin.logs[0]}"
-        review.state(
-            name, {**stated, "log": list(origin.logs)}, json_text({"analysis": origin.analysis, "plan": found})
-        )
-        review.close()
-    except BaseException:
-        review.discard()
-        raise
+
+    with reserved([output], inputs, force=force):
+        write_answer(output, "Plan", answer, origin, origin.logs, {"plan": found}, draw)
