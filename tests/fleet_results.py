@@ -73,7 +73,7 @@ def rows_of(*, sensors=40, logs=5, planted=True, outages=True, damaged=18, seed=
             })  # fmt: skip
             if outages:
                 rows["outages"] += _outages(
-                    rng, who, when, key, risk[sensor] * (1.9 if planted and name == "SN030" else 1.0)
+                    rng, who, when, key, risk[sensor] * (1.9 if planted and name in ("SN030", "SN031") else 1.0)
                 )
     for i in range(damaged):
         stage, kind, message = FAULTS[i % len(FAULTS)]

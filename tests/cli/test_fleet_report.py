@@ -45,6 +45,10 @@ def test_the_planted_sensors_are_found_and_no_other(planted):
         if group.axis:
             truth = group.display.to_si(TRUTH[group.axis.partition("_")[0], group.coefficient])
             assert own.mean.value == pytest.approx(math.log(truth), abs=0.05), group.name
+    others = [one for one in found.findings if one not in noise]
+    assert {(one.sensor, one.kind, found.groups[one.group].coefficient) for one in others} == {
+        ("V15", "out of family", DRIFT)
+    }
     drift = next(j for g, j in zip(found.groups, found.judged, strict=True) if g.coefficient == DRIFT)
     ratios = {g.source: j.mean.value for g, j in zip(found.groups, found.judged, strict=True) if g.coefficient == RATIO}
     assert drift.sensors.sensor.size == 20
@@ -61,7 +65,7 @@ def test_panel_recording_page_json_and_exit_code(imuwb, planted, tmp_path):
     lines = done.out.splitlines()
     assert len(lines) <= 15
     assert all(len(line) <= 80 for line in lines)
-    assert {line.split()[0] for line in lines if "out of family" in line[:30]} == set(OUT)
+    assert {line.split()[0] for line in lines if "out of family" in line[:30]} == {*OUT, "V15"}
     assert re.search(rf"{DRIFTING} +drifts +gyro .*in 4 months", done.out)
     assert "18 of 218 logs (8.3 %)" in done.out
     assert "imuwb noise 'logs/SN" in done.out
@@ -69,7 +73,7 @@ def test_panel_recording_page_json_and_exit_code(imuwb, planted, tmp_path):
     assert "beyond" in done.err
     assert "--max-quarantine allows 1 %" in done.err
     content = json.loads((tmp_path / "fleet.json").read_text("utf-8"))["result"]
-    assert {one["sensor"] for one in content["findings"] if one["finding"] == "out of family"} == set(OUT)
+    assert {one["sensor"] for one in content["findings"] if one["finding"] == "out of family"} == {*OUT, "V15"}
     assert content["findings"][0]["logs"][0]["see"].startswith("imuwb noise ")
     outcomes = {
         (one["axis"], one["coefficient"], one["outcome"]) for one in content["verdicts"] if one["sensor"] == "SN039"

@@ -62,14 +62,22 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
 
 def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
-    out = {one.sensor for one in report.findings if one.kind == OUTSIDE}
-    changed = {one.sensor for one in report.findings if one.kind in KINDS.values()}
+    out, changed, vehicles = found_sensors(report)
     sure = f"any false finding: at most {100 * report.error:g} %"
-    if not out | changed:
+    if not report.findings:
         return f"No sensor is out of family, and none changes ({sure})."
     more = len(rows_of(report)) - MOST
     rest = f" {more} more rows: --full." if more > 0 else ""
-    return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)} ({sure}).{rest}"
+    driving = f"; vehicles with a finding in outages: {len(vehicles)}" if vehicles else ""
+    return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)}{driving} ({sure}).{rest}"
+
+
+def found_sensors(report: FleetReport) -> tuple[frozenset[str], frozenset[str], frozenset[str]]:
+    """Return the sensors out of family, those that change, and the vehicles with a finding in outages."""
+    own = [one for one in report.findings if report.groups[one.group].coefficient not in (DRIFT, RATIO)]
+    out = frozenset(one.sensor for one in own if one.kind == OUTSIDE)
+    changed = frozenset(one.sensor for one in own if one.kind in KINDS.values())
+    return out, changed, frozenset(one.sensor for one in report.findings if one not in own)
 
 
 def _checked(verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
@@ -139,12 +147,12 @@ def believed(ratio: Coefficient) -> str:
 def _numbers(report: FleetReport) -> dict[str, Estimate]:
     """Return the figures by which a catalog sorts reports."""
     nan = float("nan")
-    out = len({one.sensor for one in report.findings if one.kind == OUTSIDE})
-    changed = len({one.sensor for one in report.findings if one.kind in KINDS.values()})
+    out, changed, vehicles = map(len, found_sensors(report))
     counts = {
         "sensors": report.sensors,
         "out of family": out,
         "changing": changed,
+        "vehicles out of family": vehicles,
         "quarantined logs": report.quarantined,
     }
     numbers = {name: Estimate(float(count), nan, nan) for name, count in counts.items()}

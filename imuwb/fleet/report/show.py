@@ -12,8 +12,8 @@ from imuwb.colors import BLUE, GREY, PALE, RED
 from imuwb.fleet.report.answer import believed, by_text
 from imuwb.fleet.report.groups import Group
 from imuwb.fleet.report.outages import DRIFT, RATIO
-from imuwb.fleet.report.result import FleetReport, in_si, member_mean
-from imuwb.fleet.report.sheet import SheetVerdict
+from imuwb.fleet.report.result import OUTSIDE, FleetReport, in_si, member_mean
+from imuwb.fleet.report.sheet import FAMILY, SheetVerdict
 from imuwb.fleet.report.words import (
     Row,
     cell,
@@ -33,6 +33,8 @@ from imuwb.units import coefficient_units
 TABS = 10  #: tabs of findings
 MARKED = 8  #: sensors that a figure names
 ROWS = 300  #: of a long table
+LIMITS = 60  #: of sensors that are shown
+_SHEET = ("of", "limit", "value", "verdict")
 DAY = 86400.0  #: s
 MARGIN = 0.08  #: of the range of a figure
 MIDDLE = (0.01, 0.99)  #: quantiles of the logs that a figure shows at least
@@ -42,11 +44,9 @@ def draw(report: FleetReport, review: Review, verdicts: Sequence[SheetVerdict] =
     """Show the report of a fleet."""
     rows = rows_of(report)
     review.tab("Findings")
+    review.figure(sensors_figure(report, next((row.worst.group for row in rows if row.worst.kind == OUTSIDE), 0)))
     if rows:
-        review.figure(sensors_figure(report, rows[0].worst.group))
         review.table(_findings(report, rows))
-    else:
-        review.figure(sensors_figure(report, 0))
     for row in rows[:TABS]:
         _one(report, row, review)
     _families(report, review)
@@ -55,7 +55,8 @@ def draw(report: FleetReport, review: Review, verdicts: Sequence[SheetVerdict] =
         _outages(report, review)
     if verdicts:
         review.tab("Data sheet")
-        review.table(sheet_table(verdicts))
+        for table in sheet_tables(verdicts):
+            review.table(table)
     if report.worthless:
         review.tab("Worthless logs")
         for table in worthless_tables(report):
@@ -198,7 +199,8 @@ def _families(report: FleetReport, review: Review) -> None:
         for place, group in enumerate(report.groups)
         if group.axis
     }
-    for place in sorted(together, key=lambda place: (together[place], place)):
+    first = {name: place for place, name in reversed(together.items())}
+    for place in sorted(together, key=lambda place: (first[together[place]], place)):  # x, y and z side by side
         review.figure(sensors_figure(report, place, together[place]))
     review.table(family_table(report))
 
@@ -262,20 +264,38 @@ def outage_tables(report: FleetReport) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def sheet_table(verdicts: Sequence[SheetVerdict]) -> Table:
-    """Return the verdicts on the family and on each sensor, the worst first."""
-    rows: list[tuple[str, ...]] = []
-    for one in verdicts[:ROWS]:
-        limit, display = one.verdict.limit, coefficient_units(one.verdict.limit.axis, one.verdict.limit.letter)[1]
-        rows.append((
-            one.sensor, one.type, f"{limit.axis.replace('_', ' ')} {limit.letter}", f"{display.from_si(limit.at_most):.4g} {display.name}",
-            coefficient_text(one.verdict.coefficient, display), one.verdict.outcome,
-        ))  # fmt: skip
-    more = f" The first {ROWS} of {len(verdicts)}." if len(verdicts) > ROWS else ""
-    caption = (
-        f"within: the whole interval is below the limit; beyond: it is above; not sure: it contains the limit.{more}"
+def sheet_tables(verdicts: Sequence[SheetVerdict]) -> tuple[Table, ...]:
+    """Return the verdicts on the family, and those on sensors, the worst first."""
+    family = [one for one in verdicts if one.sensor == FAMILY]
+    sensors = [one for one in verdicts if one.sensor != FAMILY]
+    more = f" The first {LIMITS} of {len(sensors)} limits; --json has all." if len(sensors) > LIMITS else ""
+    caption = "within: the whole interval is below the limit; beyond: it is above; not sure: it contains the limit."
+    return (
+        Table(
+            "The family against the data sheet",
+            ("type", *_SHEET),
+            tuple((one.type, *_sheet_row(one)) for one in family),
+            caption,
+        ),
+        Table(
+            "Sensors",
+            ("sensor", *_SHEET),
+            tuple((one.sensor, *_sheet_row(one)) for one in sensors[:LIMITS]),
+            f"The worst first.{more}",
+        ),
     )
-    return Table("Data sheet", ("sensor", "type", "of", "limit", "value", "verdict"), tuple(rows), caption)
+
+
+def _sheet_row(one: SheetVerdict) -> tuple[str, ...]:
+    limit = one.verdict.limit
+    display = coefficient_units(limit.axis, limit.letter)[1]
+    stated = f"{display.from_si(limit.at_most):.4g} {display.name}"
+    return (
+        f"{limit.axis.replace('_', ' ')} {limit.letter}",
+        stated,
+        coefficient_text(one.verdict.coefficient, display),
+        one.verdict.outcome,
+    )
 
 
 def worthless_tables(report: FleetReport) -> tuple[Table, ...]:
