@@ -21,7 +21,7 @@ def keys(tables):
 
 def test_still_record_has_every_value_and_figure():
     log = static(preset("3dm-gx3-25"), 500.0, 100.0, 1)
-    found = bench.still(log, log)
+    found = bench.still(log)
     assert keys(STILL) <= found.values.keys()
     assert all(found.figures[str(number)] for number in range(10, 18))
     alphas = [found.values[key] for key in keys(("2",)) if key.quantity == "AR(3) α1"]

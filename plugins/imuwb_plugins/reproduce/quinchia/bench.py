@@ -40,29 +40,23 @@ MOST = 8  #: levels of figure 17
 GYRO, ACCEL = "Gyroscopes", "Accelerometers"
 
 
-def still(log: Log, for_times: Log) -> Found:
-    """Return the tables and figures of a still record.
-
-    Args:
-        log: the record.
-        for_times: the record of table 5: that of a sensor with Gauss-Markov processes, or the same one.
-    """
+def still(log: Log) -> Found:
+    """Return the tables and figures of a still record."""
     curve = allan([log], AllanParameters(estimators=False))
-    times = curve if for_times is log else allan([for_times], AllanParameters(estimators=False))
-    spectrum = psd([log], SpectrumParameters())
+    spectrum = psd([log], SpectrumParameters(raw=True))
     correlation = autocorrelation([log], CorrelationParameters(denoise=DENOISED))
     values: dict[Key, Estimate | str] = {}
     for table, result in (("4", curve), ("3", spectrum)):
         for axis, own in result.axes.items():
             for letter, coefficient in own.coefficients.items():
                 values[Key(table, letter, axis)] = in_unit(coefficient, coefficient_units(axis, letter)[1].name)
-    values |= dict(_times(times)) | dict(_deviations(log)) | dict(_models(log))
+    values |= dict(_times(curve)) | dict(_deviations(log)) | dict(_models(log))
     return Found(values, _figures(curve, spectrum, correlation) | {"17": _before_and_after(log)})
 
 
 def _times(result: AllanResult) -> Iterator[tuple[Key, Estimate | str]]:
     for axis, own in result.axes.items():
-        yield Key("5", "Tc", axis), own.correlation_time or "the curve has no flat part between two others"
+        yield Key("5", "Tc", axis), own.correlation_time or "the record shows no bias instability on this axis"
 
 
 def _deviations(log: Log) -> Iterator[tuple[Key, Estimate]]:

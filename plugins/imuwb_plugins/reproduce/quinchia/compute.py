@@ -17,7 +17,7 @@ from imuwb_plugins.reproduce.parameters import Quinchia
 from imuwb_plugins.reproduce.printed import paper
 from imuwb_plugins.reproduce.quinchia import bench, figures, road
 
-SENSOR, WITH_TIMES = "3dm-gx3-25", "3dm-gx3-25-gm"  #: the preset of table 4, and that of tables 4 and 5
+SENSOR = "3dm-gx3-25"  #: the preset of table 4
 RATE = 100.0  #: Hz
 NAME = "quinchia"
 
@@ -42,10 +42,10 @@ def _run(parameters: Quinchia, seed: int) -> Found:
     model = preset(SENSOR)
     if parameters.static is None:
         still = static(model, parameters.hours * 3600, RATE, seed)
-        found = bench.still(still, static(preset(WITH_TIMES), parameters.hours * 3600, RATE, seed))
+        found = bench.still(still)
     else:
         still = read(parameters.static)
-        found = bench.still(still, still)
+        found = bench.still(still)
         model = error_model(noise([still], NoiseParameters()))
     next(steps)
     logs = [read(path) for path in parameters.drive] or [drive(model, planned_route(r), seed) for r in road.ROUTES]

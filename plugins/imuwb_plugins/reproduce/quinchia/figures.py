@@ -10,7 +10,7 @@ from imuwb_plugins.outage.figures import color_of
 from imuwb_plugins.reproduce.quinchia.road import FILTERS, Driven, Outages
 
 EAST, NORTH = "east of the start [m]", "north of the start [m]"
-WIDTH = 0.6  #: of the points of one outage in figure 26
+WIDTH = 0.8  #: of the bars of one outage in figure 26
 SHOWN = {"21": 1, "22": 2, "24": 5, "25": 7}  #: figure -> outage
 
 
@@ -57,18 +57,17 @@ def _over_time(outage: Outages) -> Figure:
 
 
 def _all(outages: Sequence[Outages], kind: str) -> Figure:
-    """Return one panel of figure 26: a point for each filter in each outage, side by side, on a logarithmic axis."""
+    """Return one panel of figure 26: a bar for each filter in each outage, side by side."""
     of = np.max if kind == "largest" else np.mean
     numbers = np.array([o.number for o in outages], dtype=float)
-    steps = np.linspace(-WIDTH / 2, WIDTH / 2, len(FILTERS))
+    steps = WIDTH * ((np.arange(len(FILTERS)) + 0.5) / len(FILTERS) - 0.5)
     curves = tuple(
-        Curve(
-            name, numbers + step, np.array([float(of(o.error(name))) for o in outages]), color_of(name), style="points"
-        )
+        Curve(name, numbers + step, np.array([float(of(o.error(name))) for o in outages]), color_of(name), style="bar")
         for name, step in zip(FILTERS, steps, strict=True)
     )
     title = f"{kind.capitalize()} horizontal error in each outage"
     return Figure(
-        title, "number of the outage [1]", "horizontal error [m]", curves, x_scale="linear",
+        title, "number of the outage [1]", "horizontal error [m]", curves, x_scale="linear", y_scale="linear",
         x_limits=(0.5, max(numbers, default=1.0) + 0.5),
+        y_limits=(0.0, 1.08 * max((float(curve.y.max()) for curve in curves if curve.y.size), default=1.0)),
     )  # fmt: skip
