@@ -13,6 +13,7 @@ from imuwb.log import ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.sampling import Sampling, longest_part, sampling
+from imuwb.texts import counted
 
 Outcome = TypeVar("Outcome")
 
@@ -80,7 +81,7 @@ def gap_notes(axes: Mapping[str, Axis], result: str) -> list[Note]:
     """Return a note for each sensor with gaps; it states that the named result uses the longest part without gaps."""
     clocks = {axis.sensor: axis.clock for axis in axes.values()}
     return [
-        Note("gaps", f"{sensor}: {len(clock.breaks)} gaps; {result} uses the longest part without gaps")
+        Note("gaps", f"{sensor}: {counted(len(clock.breaks), 'gap')}; {result} uses the longest part without gaps")
         for sensor, clock in clocks.items()
         if clock.breaks
     ]

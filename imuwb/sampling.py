@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.arrays import Booleans, Integers, blocks_of, step_blocks, step_range
+from imuwb.texts import counted
 from imuwb.units import SECOND
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
@@ -46,7 +47,7 @@ class Sampling:
     def __repr__(self) -> str:
         """Return rate, gaps and jitter in a line."""
         longest = f" (longest {max(length for _, length in self.gaps):.3g} s)" if self.gaps else ""
-        return f"{self.rate or 0:.4g} Hz, {len(self.gaps)} gaps{longest}, jitter {self.jitter:.2g} intervals"
+        return f"{self.rate or 0:.4g} Hz, {counted(len(self.gaps), 'gap')}{longest}, jitter {self.jitter:.2g} intervals"
 
 
 def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:

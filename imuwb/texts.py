@@ -10,6 +10,7 @@ from imuwb.statistics.estimate import Coefficient, Estimate
 from imuwb.units import Unit
 
 HOURS = 2  #: shortest time, in hours, that is written in hours
+LONG_NUMBER = 10_000  #: smallest whole number whose digits are in groups
 LARGE = 100  #: smallest number that is written without decimals
 COEFFICIENT_DIGITS = (3, 6)  #: fewest and most significant digits of a coefficient
 MOST_DECIMALS = 9
@@ -67,8 +68,18 @@ def markdown_block(lines: Iterable[str]) -> str:
 
 
 def number_text(value: float) -> str:
-    """Return a number with three significant digits; a large one as a whole number, without a power of ten: 0.0123, 4.56, 78901."""
-    return f"{value:.0f}" if abs(value) >= LARGE else f"{value:.3g}"
+    """Return a number with three significant digits; a large one as a whole number, without a power of ten: 0.0123, 4.56, 78 901."""
+    return count_text(value) if abs(value) >= LARGE and math.isfinite(value) else f"{value:.3g}"
+
+
+def count_text(value: float) -> str:
+    """Return a whole number; more than four digits are in groups of three, which no line break parts: 6400, 5 837 380."""
+    return f"{value:,.0f}".replace(",", "\N{NO-BREAK SPACE}") if abs(value) >= LONG_NUMBER else f"{value:.0f}"
+
+
+def counted(count: int, noun: str, several: str = "") -> str:
+    """Return a number of things: 1 position, 5 837 380 samples; ``several`` is the plural if it is not that with s."""
+    return f"{count_text(count)} {noun if count == 1 else several or f'{noun}s'}"
 
 
 def quantity_text(value: float | None, unit: str, digits: int = 3) -> str:

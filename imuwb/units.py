@@ -176,6 +176,7 @@ def unit(name: str) -> Unit:
     Raises:
         UsageError: there is no such unit; the message lists all units.
     """
+    name = str(name)  # a number is no unit either
     text = _canonical(name)
     folded = text.lower()
     stated = name.strip()
@@ -248,7 +249,7 @@ _COEFFICIENT_UNITS: dict[tuple[str, str], tuple[str, str]] = {
     ("gyro", "rate"): ("rad/s", "deg/s"),
     ("accel", "Q"): ("m/s", "mm/s"),
     ("accel", "N"): ("m/s²/√Hz", "m/s/√h"),
-    ("accel", "B"): ("m/s²", "m/s/h"),
+    ("accel", "B"): ("m/s²", "µg"),
     ("accel", "K"): ("m/s²/√s", "m/s/h^1.5"),
     ("accel", "R"): ("m/s³", "m/s/h²"),
     ("accel", "rate"): ("m/s²", "mg"),

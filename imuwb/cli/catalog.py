@@ -1,19 +1,30 @@
 """imuwb catalog: a page of a folder of recordings, and rerun's own catalog of it."""
 
+from __future__ import annotations
+
 import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from imuwb.analysis import Answer, Step
 from imuwb.cli.options import Force
+from imuwb.cli.terminal import print_panel
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.review.answers.panel import Origin
+from imuwb.texts import counted
+
+if TYPE_CHECKING:  # it imports rerun, which is slow
+    from imuwb.review.page.catalog import Entry
 
 INDEX = "index.html"
 PORTS = (1024, 65535)
+ROWS = 7  #: recordings in the terminal
 
 
 def catalog(
@@ -29,7 +40,10 @@ def catalog(
     port: Annotated[int, typer.Option(help="Port of --serve.")] = 51234,
     force: Force = False,
 ) -> None:
-    """Write a page of a folder of recordings: what each found, with links, sortable."""
+    """Write a page of a folder of recordings: what each found, with links, sortable.
+
+    Example: imuwb catalog runs/ --force
+    """
     from imuwb import __version__  # noqa: PLC0415 - help must not wait
     from imuwb.cli.places import check_place  # noqa: PLC0415
     from imuwb.review.page.catalog import catalog as page  # noqa: PLC0415
@@ -48,9 +62,19 @@ def catalog(
     rows = entries(folder, place.resolve())
     check_place(place, force=force)
     write_text(place, page(folder, rows, __version__))
+    print_panel(_answer(rows), Origin("catalog", (str(folder),), wrote=(str(place),)), data=True)
+
+
+def _answer(rows: Sequence[Entry]) -> Answer:
+    """Return what each recording found, in few rows."""
     mute = sum(bool(row.remark) for row in rows)
-    silent = f"; {mute} of them state no result, and their rows say why" if mute else ""
-    typer.echo(f"wrote {place}: {len(rows)} recording{'s' if len(rows) > 1 else ''}{silent}", err=True)
+    sentences = (f"{counted(mute, 'recording')} without a result: the row says why.",) if mute else ()
+    shown = tuple((row.file, row.cells[0], row.cells[3]) if row.cells else (row.file, "", row.remark) for row in rows)
+    more = (("", f"{counted(len(rows) - ROWS, 'more recording')}, on the page", ""),) if len(rows) > ROWS else ()
+    return Answer(
+        counted(len(rows), "recording"), ("recording", "analysis", "headline"), (*shown[:ROWS], *more), sentences,
+        (Step("imuwb catalog {log} --serve", "the same rows in the Rerun viewer"),),
+    )  # fmt: skip
 
 
 def _serve(folder: Path, port: int) -> None:

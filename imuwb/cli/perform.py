@@ -23,7 +23,7 @@ from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.answers.default_answer import ALL, default_answer
-from imuwb.review.answers.document import document
+from imuwb.review.answers.document import answer_document, document
 from imuwb.review.answers.log_state import log_state
 from imuwb.review.answers.panel import Origin, panel
 from imuwb.review.drawn.calls import Drawn as Shown
@@ -167,7 +167,10 @@ def _drawn(
         )  # fmt: skip
         review.summary(panel(answer, origin), answer.figure)
         with errors_named(name, analysis):
-            text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
+            text, run = document(
+                name, __version__, done.parameters, done.result, logs, review.notes, done.study,
+                answer_document(answer, origin),
+            )  # fmt: skip
         review.state(recording_name(name, logs, answer), {"run": run, **stated}, text)
         kept = text_of(report_of(answer, origin, review.drawn, logs, run, __version__))
         review.keep(KEPT, kept)

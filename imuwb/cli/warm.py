@@ -6,6 +6,7 @@ import time
 import typer
 
 from imuwb.errors import ImuwbError
+from imuwb.texts import counted
 
 
 def warm() -> None:
@@ -27,7 +28,5 @@ def warm() -> None:
     took = time.perf_counter() - began
     typer.echo(f"{count} functions are ready after {took:.1f} s; {'they were compiled' if made else 'all were there'}.")
     if failed:
-        typer.echo(
-            f"{len(failed)} functions have changed since the list was made, and are compiled when they are needed."
-        )
-    typer.echo(f"Their code is in {os.path.commonpath(kept_code.used)} ({len(kept_code.used)} folders).")
+        typer.echo(f"{counted(len(failed), 'function')} changed since the list was made; compiled when needed.")
+    typer.echo(f"Their code is in {os.path.commonpath(kept_code.used)} ({counted(len(kept_code.used), 'folder')}).")

@@ -11,6 +11,7 @@ from imuwb.log import Log
 from imuwb.review.answers.log_answer import log_answer
 from imuwb.review.answers.panel import Origin
 from imuwb.summary import summarize
+from imuwb.texts import counted
 
 FILES = 6  #: that are named; of more files, only their folder
 INFO = Step("imuwb info {log}", "what it contains")
@@ -47,6 +48,6 @@ def _named(files: Sequence[Path]) -> tuple[str, ...]:
     described = {file for file in files if file.with_name(f"{file.name}.toml") in files}
     tables = [file for file in files if not (file.suffix == ".toml" and file.with_name(file.stem) in described)]
     if len(tables) > FILES:
-        return (f"{files[0].parent} ({len(files)} files)",)
+        return (f"{files[0].parent} ({counted(len(files), 'file')})",)
     beside = "each with its .toml" if len(tables) > 1 else f"{tables[0].name}.toml beside it"
     return (*map(str, tables), *((beside,) if described else ()))

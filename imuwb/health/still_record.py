@@ -16,7 +16,7 @@ from imuwb.health.tails import tails
 from imuwb.log import ImuStream, Log
 from imuwb.notes import Note
 from imuwb.stochastic import Autoregressive, ImuErrorModel, WhiteNoise
-from imuwb.texts import number_text, seconds_text
+from imuwb.texts import counted, number_text, seconds_text
 
 #: rad/s and m/s²; no gyro and no accelerometer measures more (57 000 deg/s and 10 000 g)
 LARGEST = {"gyro": 1e3, "accel": 1e5}
@@ -159,7 +159,7 @@ def _tails(channel: Channel, lone: Lone, still: identification.Stillness | None)
     if found is None:
         return None
     text = (
-        f"{channel.axis} has {found.count} samples ({100 * found.share:.2g} %) that are more than five sigmas off, the first at "
+        f"{channel.axis} has {counted(found.count, 'sample')} ({100 * found.share:.2g} %) that are more than five sigmas off, the first at "
         f"{found.first:.2f} s; they raise the mean square by a factor of {number_text(1 + found.excess)}"
     )
     return found.excess > SPOILT, Note("heavy-tails", text)

@@ -6,7 +6,15 @@ import pytest
 from imuwb.errors import UsageError
 from imuwb.identification import allan, fit_allan
 from imuwb.statistics import UNKNOWN, Coefficient, Estimate
-from imuwb.texts import coefficient_text, estimate_text, interval_text, number_text, quantity_text, seconds_text
+from imuwb.texts import (
+    coefficient_text,
+    counted,
+    estimate_text,
+    interval_text,
+    number_text,
+    quantity_text,
+    seconds_text,
+)
 from imuwb.units import UNITS
 
 
@@ -51,7 +59,12 @@ def test_a_coefficient_is_shown_with_its_interval_or_as_a_limit(coefficient, tex
 
 
 def test_numbers_have_three_digits_and_no_power_of_ten_where_they_are_large():
-    assert [number_text(x) for x in (0.01234, 4.567, 123456.0, -250.4)] == ["0.0123", "4.57", "123456", "-250"]
+    assert [number_text(x) for x in (0.01234, 4.567, 123456.0, -250.4)] == [
+        "0.0123",
+        "4.57",
+        "123\N{NO-BREAK SPACE}456",
+        "-250",
+    ]
     assert [seconds_text(x) for x in (0.35, 20.5, 655.2, 8280)] == ["0.35 s", "20.5 s", "655 s", "2.3 h"]
     assert (quantity_text(None, "m"), quantity_text(0.5, "m")) == ("—", "0.5 m")
     assert interval_text(Estimate(12.3, 10, 150), "m") == "12.3 [10, 150] m"
@@ -94,3 +107,12 @@ def test_a_coefficient_of_samples_of_any_sensor_knows_its_letter():
     for wrong in ("deg/h", "m", "deg/h^1.5"):
         with pytest.raises(UsageError, match="which N is not; write one of"):
             n.to(wrong)
+
+
+@pytest.mark.parametrize(
+    ("count", "text"), [(0, "0 gaps"), (1, "1 gap"), (2, "2 gaps"), (12_345, "12\N{NO-BREAK SPACE}345 gaps")]
+)
+def test_a_number_of_things_is_in_singular_or_plural(count, text):
+    assert counted(count, "gap") == text
+    assert counted(1, "analysis", "analyses") == "1 analysis"
+    assert counted(2, "analysis", "analyses") == "2 analyses"

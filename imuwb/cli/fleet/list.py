@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from imuwb.cli.fleet.options import OWNERS, PATTERNS, Owners
 from imuwb.cli.options import Force, output_option
+from imuwb.texts import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,8 +79,13 @@ def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     times = [one.duration for one in known if one.duration is not None]
     size = sum(one.log.size for one in known) / 1e9
     sentences = (
-        f"{size:.3g} GB; {duration_text(sum(times))} by the indexes of {len(times)} logs.",
+        f"{size:.3g} GB; {duration_text(sum(times))} by the indexes of {counted(len(times), 'log')}.",
         *[one.fault for one in known if one.fault][:FAULTS],
     )
     rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))
-    return Answer(f"{len(known)} logs of {len(sensors) or 'unknown'} sensors", ("format", "logs"), rows, sentences)
+    return Answer(
+        f"{counted(len(known), 'log')} of {counted(len(sensors), 'sensor') if sensors else 'unknown sensors'}",
+        ("format", "logs"),
+        rows,
+        sentences,
+    )

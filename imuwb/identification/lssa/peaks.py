@@ -16,6 +16,7 @@ from imuwb.identification.lssa.trigonometric import Grid, summit, sums
 from imuwb.identification.lssa.whitening import Recursion
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
+from imuwb.texts import counted
 
 MOST = 12  #: largest number of lines of one series
 ROUNDS = 8  #: largest number of searches of the residual
@@ -58,7 +59,7 @@ class Extraction:
 
     def __repr__(self) -> str:
         """Return one line for each periodic line."""
-        return "\n".join([f"{len(self.peaks)} lines", *map(str, self.peaks)])
+        return "\n".join([counted(len(self.peaks), "line"), *map(str, self.peaks)])
 
 
 @dataclass(slots=True)

@@ -9,6 +9,7 @@ from imuwb.arrays import Booleans, Floats, Integers, blocks_of
 from imuwb.compiled import compiled
 from imuwb.sampling import runs
 from imuwb.statistics.running import closed, running_median
+from imuwb.texts import counted
 
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
@@ -60,7 +61,7 @@ class Stillness:
 
     def __str__(self) -> str:
         """Return the number of disturbances and the longest quiet part."""
-        state = "moving" if self.moving else f"{len(self.disturbances)} disturbances"
+        state = "moving" if self.moving else counted(len(self.disturbances), "disturbance")
         return f"{state}; longest quiet part from {self.quiet_start:.0f} to {self.quiet_end:.0f} s"
 
 

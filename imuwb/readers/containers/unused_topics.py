@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from imuwb.readers.batch import Remark, unused
-from imuwb.texts import names_text
+from imuwb.texts import counted, names_text
 
 NO_QUANTITY = "no quantity that imuwb reads"
 MOST_NAMES = 12  #: topics of a type that are named; the others are counted
@@ -31,7 +31,7 @@ def unused_topics(topics: Iterable[Unused]) -> Iterator[Remark]:
         texts = [_of_a_type(schema, group) for schema, group in list(types.items())[:MOST_TYPES]]
         rest = [topic for group in list(types.values())[MOST_TYPES:] for topic in group]
         if rest:
-            texts.append(f"{len(rest)} topics of {len(types) - MOST_TYPES} other types")
+            texts.append(f"{counted(len(rest), 'topic')} of {counted(len(types) - MOST_TYPES, 'other type')}")
         yield unused(texts, why)
 
 
@@ -39,4 +39,4 @@ def _of_a_type(schema: str, topics: list[Unused]) -> str:
     """Return the topics of one type, with the number of their messages."""
     names = names_text([topic.topic for topic in topics], MOST_NAMES)
     count = sum(topic.messages for topic in topics)
-    return f"{names}: {count} messages of {schema or 'no schema'}"
+    return f"{names}: {counted(count, 'message')} of {schema or 'no schema'}"

@@ -20,6 +20,7 @@ from imuwb.readers.flight.left_out import ulog_left_out
 from imuwb.readers.flight.settings import settings_of
 from imuwb.readers.flight.ulog_imus import COMBINED, FIFOS, INCREMENTS, MICRO, SELECTION, SENSORS, PX4Imus
 from imuwb.readers.flight.ulog_records import ULogFile
+from imuwb.texts import counted
 
 Columns = Mapping[str, NDArray[Any]]
 
@@ -53,7 +54,9 @@ def streamed(path: Path) -> Iterator[Batch | Remark]:
 def _faults(log: ULogFile) -> Iterator[Note]:
     if log.dropouts:
         count, total, longest = len(log.dropouts), sum(log.dropouts), max(log.dropouts)
-        yield Note("dropouts", f"{count} dropouts of the recorder, {total} ms in all, the longest {longest} ms")
+        yield Note(
+            "dropouts", f"{counted(count, 'dropout')} of the recorder, {total} ms in all, the longest {longest} ms"
+        )
     if log.skipped:
         yield Note("no_message", f"{log.skipped} bytes that belong to no message")
     if log.misfits:

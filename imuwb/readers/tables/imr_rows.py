@@ -20,6 +20,7 @@ from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column
 from imuwb.readers.text.gravity import check_gravity
+from imuwb.texts import counted
 from imuwb.units import SECOND, unit
 
 HEADER, ROW = 512, 32  #: bytes
@@ -105,7 +106,7 @@ def streamed(path: source.Source, options: ReadOptions) -> Iterator[Batch | Rema
     if damaged:
         yield Remark(Note("no_time", "rows without a usable time left out"), "imu", damaged)
     if rest:
-        yield Remark(Note("row_cut", f"the last {len(rest)} bytes are no whole row; the file is cut"))
+        yield Remark(Note("row_cut", f"the last {counted(len(rest), 'byte')} are no whole row; the file is cut"))
 
 
 def _notes(header: Header) -> Iterator[Note]:

@@ -11,7 +11,9 @@ from typing import cast
 
 import numpy as np
 
+from imuwb.analysis import Answer
 from imuwb.log import Log
+from imuwb.review.answers.panel import Origin, filled
 
 SCHEMA = 1
 #: representations that say no more than the type and an address: of objects, functions, generators and classes
@@ -82,6 +84,18 @@ def _text(value: object) -> str:
     return _UNSHOWN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
+def answer_document(answer: Answer, origin: Origin) -> dict[str, object]:
+    """Return the answer of the panel as JSON has it: the whole table, all sentences, and the commands that can be typed next."""
+    return {
+        "about": answer.about,
+        "headings": list(answer.headings),
+        "rows": [list(row) for row in answer.rows],
+        "sentences": list(answer.sentences),
+        "next": [{"command": step.command, "why": step.why} for step in filled(answer.next, origin)],
+        "numbers": plain(answer.numbers, "answer.numbers"),
+    }
+
+
 def document(
     analysis: str,
     version: str,
@@ -90,6 +104,7 @@ def document(
     logs: Sequence[Log],
     notes: Sequence[str],
     study: object = None,
+    answer: Mapping[str, object] | None = None,
 ) -> tuple[str, str]:
     """Return the JSON text of a result and its provenance, and the name of the run, which all files of the run have.
 
@@ -103,6 +118,7 @@ def document(
         logs: the logs that were analysed.
         notes: the notes that the review shows.
         study: result of a study; None: no study was run.
+        answer: what the panel shows, by ``answer_document``; the paths in its commands do not change the name of the run.
 
     Raises:
         ValueError: a result that JSON cannot hold; the message names the field.
@@ -124,7 +140,7 @@ def document(
         content["study"] = plain(study, "study")
     text = _text(content)
     run = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:RUN]
-    return f'{{\n "run": "{run}",{text[1:]}', run
+    return _text({"run": run, **({} if answer is None else {"answer": answer}), **content}), run
 
 
 def _log(log: Log) -> dict[str, object]:

@@ -19,6 +19,7 @@ ROWS, FAULTS, NAME = 7, 4, 32  #: rows and faults of the answer; columns of the 
 SLOW = 5.0  #: Hz; vehicles and vibrations are faster than an IMU of this rate
 BATCHES = 0.5  #: share of the time of a stream; where more is missing, it is recorded in batches
 ORDINARY = ("unused", "utc_by_receiver", "utc_by_message")  #: ids of notes that most logs of their format have
+NO_BREAK = "\N{NO-BREAK SPACE}"  #: between the digits of a large number
 NOTHING = "—"  #: use of a stream that is of none
 
 
@@ -49,7 +50,7 @@ def log_answer(
     rows = list(_rows(sorted(uses, key=lambda use: use.use == NOTHING)))
     if (more := len(rows) - ROWS) > 0:
         rows = [*rows[:ROWS], ("", f"{more} more: --full", "", "", "")]
-    sentences = (*_broken(summary), *_faults(faults), *_read_as(summary), *_others(summary))
+    sentences = (*_broken(summary), *_faults(faults, summary), *_read_as(summary), *_others(summary))
     return Answer(
         _about(summary), ("use for", "stream", "rate", "rows", "remark"), tuple(rows), sentences, tuple(steps)
     )
@@ -108,7 +109,7 @@ def _rows(uses: Iterable[Use]) -> Iterator[tuple[str, ...]]:
 
 def _rough(rate: str) -> str:
     value, _, unit = rate.partition(" ")
-    return f"{float(value):.1g} {unit}" if unit == "Hz" else rate
+    return f"{float(value.replace(NO_BREAK, '')):.1g} {unit}" if unit == "Hz" else rate
 
 
 def _broken(summary: LogSummary) -> Iterator[str]:
@@ -122,9 +123,12 @@ def _is_said(note: str) -> bool:
     return note.startswith("--") or (isinstance(note, Note) and note.id in NOT_WHOLE)
 
 
-def _faults(faults: Sequence[Fault] | None) -> Iterator[str]:
+def _faults(faults: Sequence[Fault] | None, summary: LogSummary) -> Iterator[str]:
     if faults is None:
         yield "Only its index was read: --scan reads every message, and looks for faults."
+        return
+    if not summary.streams:
+        yield "No stream of it can be used, so none was examined for faults."
         return
     serious = [fault for fault in faults if fault.severity != "note"]
     found = list(fault_texts(serious, FAULTS))

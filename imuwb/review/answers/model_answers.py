@@ -15,7 +15,7 @@ from imuwb.stochastic import AxisModel, ImuErrorModel
 from imuwb.stochastic.description import LETTERS, deterministic_texts
 from imuwb.stochastic.model_check import Verdict, coefficient
 from imuwb.texts import coefficient_cell
-from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb.units import Unit, coefficient_units
 
 SHOWN = "NBK"  #: columns of the answer; the other terms are named
 NAME = 20  #: columns of a model's name in a heading
@@ -141,8 +141,8 @@ def _stated(model: ImuErrorModel, axis: str, letter: str) -> Coefficient:
 
 
 def _unit(axis: str, letter: str) -> Unit:
-    """Return the unit of data sheets; for the bias instability of an accelerometer, it is µg."""
-    return UNITS["µg"] if letter == "B" and axis.startswith("accel") else coefficient_units(axis, letter)[1]
+    """Return the unit of data sheets."""
+    return coefficient_units(axis, letter)[1]
 
 
 def _words(axis: str) -> str:

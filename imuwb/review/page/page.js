@@ -1,4 +1,4 @@
-const number = text => { const n = text.replace(/^[<>±~≈\s]+/, "").match(/^[-−+]?\d[\d ]*\.?\d*(e[+-]?\d+)?/i); return n ? parseFloat(n[0].replace(/ /g, "").replace("−", "-")) : NaN; };
+const number = text => { const n = text.replace(/^[<>±~≈\s]+/, "").match(/^[-−+]?\d[\d \u00a0]*\.?\d*(e[+-]?\d+)?/i); return n ? parseFloat(n[0].replace(/[ \u00a0]/g, "").replace("−", "-")) : NaN; };
 const unit = text => text.replace(/^.*[\d\])]/, "").trim();
 const compare = (a, b) => {
   const x = number(a), y = number(b);

@@ -11,6 +11,7 @@ from imuwb.review.tables.files import TABLE_FORMATS
 
 FIGURE_FORMATS = ("png", "pdf", "svg")
 LONGEST = 90  #: letters of a name
+_RANGE = re.compile(r",? -?[\d.]+ to -?[\d.]+$")  #: of the values of a chart, in its title: no name of what it shows
 
 
 def table_files(reports: Sequence[Report], form: str) -> dict[str, bytes]:
@@ -52,7 +53,7 @@ def _names(texts: Sequence[tuple[str, str]]) -> list[str]:
         before = list(dict.fromkeys(_words(context)))
         words = (
             *before,
-            *(word for word in _words(title) if word.isdigit() or word not in before),
+            *(word for word in _words(_RANGE.sub("", title)) if word.isdigit() or word not in before),
         )  # "allan" is said once
         name = own = "-".join(words)[:LONGEST].rstrip("-") or "figure"
         number = 1

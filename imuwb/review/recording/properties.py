@@ -88,7 +88,8 @@ def _of_findings(findings: Sequence[Finding]) -> Iterator[tuple[str, Value]]:
 def _number(name: str, unit: str, value: float, lower: float, upper: float) -> Iterator[tuple[str, Value]]:
     """Yield a value and its interval, or the limit of what the data do not show; each is a property with its unit in its name."""
     in_unit = f" [{unit}]" if unit else ""
-    if math.isfinite(value):
+    shown = not (lower == 0 and math.isfinite(upper))  # an interval from 0 is a limit, as in the panel
+    if math.isfinite(value) and shown:
         yield f"{name}{in_unit}", _rounded(value)
         if math.isfinite(lower) and math.isfinite(upper):
             yield f"{name} interval{in_unit}", [_rounded(lower), _rounded(upper)]

@@ -8,7 +8,7 @@ from imuwb.analysis import Answer, Table
 from imuwb.units import UNITS
 
 MISSING = ("", "—", "-", "–")
-_NUMBER = r"[-+−]?(?:\d{1,3}(?: \d{3})+|\d+)?(?:\.\d+)?(?:e[-+]?\d+)?"
+_NUMBER = r"[-+−]?(?:\d{1,3}(?:[ \xa0]\d{3})+|\d+)?(?:\.\d+)?(?:e[-+]?\d+)?"
 _UNIT = r"(?P<{}>[^\s\d\[\](),;:<>=][^\s\[\],;]*)"
 _CELL = re.compile(
     rf"(?P<limit>[<>] ?)?(?P<value>{_NUMBER})(?: {_UNIT.format('first')})?"
@@ -122,4 +122,4 @@ def _column(heading: str, cells: Sequence[str]) -> Column:
 
 def _digits(text: str | None) -> str:
     """Return a number as a program reads it."""
-    return "" if text in (None, "—") else text.replace(" ", "").replace("−", "-")
+    return "" if text in (None, "—") else re.sub(r"[ \xa0]", "", text).replace("−", "-")

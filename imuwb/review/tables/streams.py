@@ -7,7 +7,7 @@ from imuwb.analysis import Table
 from imuwb.log import SECOND
 from imuwb.names import distinct
 from imuwb.summary import LogSummary, StreamSummary
-from imuwb.texts import seconds_text
+from imuwb.texts import counted, seconds_text
 
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",
@@ -34,7 +34,7 @@ def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
     rows = tuple(
         (path, *row_of(stream)) for path, summary in zip(paths, summaries, strict=True) for stream in summary.streams
     )
-    return Table(f"Streams of {len(summaries)} logs", ("log", *HEADINGS), rows, wide=True)
+    return Table(f"Streams of {counted(len(summaries), 'log')}", ("log", *HEADINGS), rows, wide=True)
 
 
 def row_of(stream: StreamSummary) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from imuwb.axes import Axis
 from imuwb.health import Doubts
 from imuwb.notes import Note
 from imuwb.sampling import Sampling
+from imuwb.texts import counted
 from imuwb_plugins.allan.result import AllanAxis
 
 FAST = Note(
@@ -37,7 +38,7 @@ def _clock_notes(sensor: str, clock: Sampling) -> Iterator[Note]:
     if clock.breaks:
         yield Note(
             "gaps",
-            f"{sensor}: {len(clock.breaks)} gaps, {clock.missing:.3g} s in total. At averaging times where the gaps leave too few "
+            f"{sensor}: {counted(len(clock.breaks), 'gap')}, {clock.missing:.3g} s in total. At averaging times where the gaps leave too few "
             "differences, block means bridge them. Lines, likelihood and wavelet variances use the longest part without gaps, if "
             "that is half of the record or more.",
         )

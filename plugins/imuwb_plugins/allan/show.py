@@ -41,7 +41,7 @@ def _figure(sensor: str, axes: dict[str, AllanAxis], level: float) -> Figure:
         Mark(
             m.averaging_time,
             unit.from_si(m.deviation),
-            f"{m.letter} {axis[-1]}",
+            f"{m.letter} {axis[-1]} (Allan)",
             AXIS_COLORS[axis[-1]],
             _value(axis, r, m.letter),
         )

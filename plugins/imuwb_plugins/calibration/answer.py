@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from imuwb.analysis import Answer, Step
 from imuwb.statistics import Estimate
-from imuwb.texts import decimals, number_text
+from imuwb.texts import counted, decimals, number_text
 from imuwb_plugins.calibration.parameter_table import DISPLAY, display
 from imuwb_plugins.calibration.result import PositionResult, TableResult
 
@@ -18,9 +18,9 @@ def answer(result: PositionResult | TableResult) -> Answer:
     """Return the parameters of each axis."""
     rows = [(axis.replace("_", " "), *_cells(terms)) for axis, terms in result.parameters.items()]
     about = (
-        f"{len(result.positions)} positions"
+        counted(len(result.positions), "position")
         if isinstance(result, PositionResult)
-        else f"{len(result.runs)} runs of a rate table"
+        else f"{counted(len(result.runs), 'run')} of a rate table"
     )
     return Answer(
         about, ("", "bias", "scale factor", "largest coupling"), tuple(rows), tuple(_sentences(result)), (USE,),

@@ -6,6 +6,7 @@ from imuwb.arrays import Floats
 from imuwb.identification.calibration import PrintedCalibration
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
+from imuwb.texts import counted
 
 Terms = dict[str, dict[str, Estimate]]  # axis -> name of the parameter -> parameter
 
@@ -66,7 +67,7 @@ class PositionResult:
 
     def __repr__(self) -> str:
         """Return the parameters, one line for each axis."""
-        return _lines(f"{self.imu}: {len(self.positions)} positions", self.parameters)
+        return _lines(f"{self.imu}: {counted(len(self.positions), 'position')}", self.parameters)
 
 
 @dataclass(frozen=True, slots=True)

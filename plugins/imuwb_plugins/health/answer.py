@@ -14,6 +14,7 @@ STILL, MOVING = 60.0, 120.0  #: s; shortest record at rest that shows N, and sho
 NOISE = Step("imuwb noise {log}", "how noisy it is at rest")
 OUTAGE = Step("imuwb outage {log} --error-model MODEL.toml", "how far it drifts without GNSS")
 GNSS = Step("imuwb outage IMU.mcap --gnss {log} --error-model MODEL.toml", "with the log of an IMU")
+CONTENT = Step("imuwb info {log} --full", "its streams: no IMU can be used as it is")
 SPECTRUM = Step("imuwb psd {log}", "how it vibrates; too short for noise at rest")
 
 
@@ -49,6 +50,9 @@ def _rows(streams: Sequence[StreamHealth]) -> Iterator[tuple[str, str, str]]:
 def _step(result: Health) -> Step:
     if result.segments_of is None:
         return GNSS
+    verdicts = {stream.verdict for stream in result.streams if stream.name.startswith(result.segments_of)}
+    if verdicts == {WORST_FIRST[0]}:
+        return CONTENT
     if max(float(stream.time.max(initial=0.0)) for stream in result.streams) < STILL:
         return SPECTRUM
     if not result.segments or result.still >= max(STILL, result.moving):

@@ -7,8 +7,8 @@ from imuwb.analysis import Answer, Finding, Step
 from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.texts import coefficient_cell, coefficient_text, estimate_text, number_text
-from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb.texts import coefficient_cell, coefficient_text, counted, estimate_text, number_text
+from imuwb.units import Unit, coefficient_units
 from imuwb_plugins.allan import imus_answer
 from imuwb_plugins.allan.answer import about_record
 from imuwb_plugins.allan.imus import ImuComparison
@@ -78,7 +78,7 @@ def answer_study(result: Study) -> Answer:
     if result.rule:
         sentences.append(_rule_text(result))
     return Answer(
-        f"{len(result.cases)} settings",
+        counted(len(result.cases), "setting"),
         ("N", *(axis.replace("_", " ") for axis in axes)),
         (*rows, units),
         tuple(sentences),
@@ -118,8 +118,8 @@ def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...
 
 
 def _unit(axis: str, letter: str) -> Unit:
-    """Return the unit of data sheets; for the bias instability of an accelerometer, it is µg."""
-    return UNITS["µg"] if letter == "B" and axis.startswith("accel") else coefficient_units(axis, letter)[1]
+    """Return the unit of data sheets."""
+    return coefficient_units(axis, letter)[1]
 
 
 def _of_many(repeatability: Repeatability) -> Answer:
@@ -137,6 +137,6 @@ def _of_many(repeatability: Repeatability) -> Answer:
         else "No coefficient differs from log to log by more than chance explains."
     )
     return Answer(
-        f"{count} logs of one sensor", ("", *units, "bias from turn-on to turn-on"), rows, (text,), (DRIVE,),
+        f"{counted(count, 'log')} of one sensor", ("", *units, "bias from turn-on to turn-on"), rows, (text,), (DRIVE,),
         f"{100 * repeatability.level:g} % intervals",
     )  # fmt: skip

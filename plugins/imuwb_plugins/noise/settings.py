@@ -14,6 +14,7 @@ from imuwb.errors import MissingDataError
 from imuwb.identification import allan, fit_likelihood
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.statistics import Coefficient, Estimate
+from imuwb.texts import counted
 from imuwb_plugins.noise.parameters import Parameters
 
 FEWEST = 256  #: samples
@@ -67,7 +68,7 @@ class Study:
     def __repr__(self) -> str:
         """Return the number of settings, and where the rule holds."""
         held = ", ".join(f"{r.axis} {r.holds}" for r in self.rule) or "not tested"
-        return f"noise in {len(self.cases)} settings; rate = 2 × bandwidth is enough: {held}"
+        return f"noise in {counted(len(self.cases), 'setting')}; rate = 2 × bandwidth is enough: {held}"
 
 
 def study(cases: Iterable[Case], parameters: Parameters) -> Study:

@@ -6,7 +6,7 @@ from math import isfinite, nan
 from imuwb.analysis import Answer, Step
 from imuwb.replay import ENOUGH, Consistency, MotionNoise
 from imuwb.statistics import Estimate
-from imuwb.texts import number_text
+from imuwb.texts import counted, number_text
 from imuwb_plugins.outage import figures
 from imuwb_plugins.outage.drives import Drives
 from imuwb_plugins.outage.result import DurationSummary, FilterSummary, Result
@@ -16,7 +16,7 @@ FILTERS = 6  #: rows
 CAUSES = ("misfit", "refused-positions", "reference-against-fixes")  #: ids of notes that say why a sigma is wrong
 LEFT_OUT = ("reference-refused", "drive-left-out")  #: ids of notes on what the figures are without
 TUNE = Step("{command} --tune", "fit the noise to this drive")
-AIDS = Step("{command} --straight 0.2 --still 0.05", "a car does not slip: bounds the drift")
+AIDS = Step("{command} --straight 0.2 --still 0.05", "if it is on wheels: bounds the drift")
 
 
 def answer(result: Result | Drives) -> Answer:
@@ -126,7 +126,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _outages(count: int) -> str:
-    return "1 outage" if count == 1 else f"{count} outages"
+    return counted(count, "outage")
 
 
 def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], names: Sequence[str]) -> Iterator[str]:

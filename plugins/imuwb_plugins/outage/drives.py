@@ -11,6 +11,7 @@ from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.replay import HORIZONS, motion_classes, pooled, summarize, verdict
 from imuwb.stochastic import ImuErrorModel
+from imuwb.texts import counted
 from imuwb_plugins.outage import notes, summary
 from imuwb_plugins.outage.compute import run_one
 from imuwb_plugins.outage.engine_command import Command
@@ -38,7 +39,9 @@ class Drives:
 
     def __repr__(self) -> str:
         """Return the drives and the verdicts, a line each."""
-        return "\n  ".join([f"Outage replay of {len(self.drives)} drives: {', '.join(self.drives)}", *self.verdicts])
+        return "\n  ".join(
+            [f"Outage replay of {counted(len(self.drives), 'drive')}: {', '.join(self.drives)}", *self.verdicts]
+        )
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result | Drives:
@@ -104,7 +107,7 @@ def _pooled(results: dict[str, Result], failed: dict[str, str], level: float) ->
     for own, statistics in pooled_summaries:
         verdicts += [notes.prefixed(f"all drives, {own.duration:g} s", verdict(s)) for s in statistics.values()]
     texts = [f"{name} is left out: {reason}" for name, reason in failed.items()]
-    counts = ", ".join(f"{name} ({len(result.outages)} outages)" for name, result in results.items())
+    counts = ", ".join(f"{name} ({counted(len(result.outages), 'outage')})" for name, result in results.items())
     pooled_note = Note("pooled", f"pooled: {counts}; blocks of the bootstrap do not cross drives")
     return Drives(
         tuple(own for own, _ in pooled_summaries), results, tuple(dict.fromkeys(verdicts)),

@@ -22,6 +22,7 @@ from imuwb.colors import (
     between,
 )
 from imuwb.replay.scoring.budget import COMMON
+from imuwb.texts import counted
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result
 
 COLORS: dict[str, Color] = {
@@ -81,7 +82,7 @@ def errors(result: Result, name: str) -> Figure:
     x = np.tile(np.append(elapsed, np.nan), len(lines))
     y = np.concatenate([np.append(line, np.nan) for line in lines])
     return Figure(
-        f"{name}: errors in {len(lines)} outages, and its sigma", TIME, ERROR,
+        f"{name}: errors in {counted(len(lines), 'outage')}, and its sigma", TIME, ERROR,
         (
             Curve("errors", x, y, color_of(name), style="faint"),
             Curve("1 sigma", elapsed, sigma, INK, style="curve"),

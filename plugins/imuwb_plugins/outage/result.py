@@ -21,6 +21,7 @@ from imuwb.replay import (
 from imuwb.scene import Event, Scene, Span
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
+from imuwb.texts import counted
 
 HELD = {"document": False}  #: for a field that is drawn or written, but not part of the JSON
 
@@ -233,4 +234,6 @@ class Result:
 
     def __repr__(self) -> str:
         """Return reference and verdicts, a line each."""
-        return "\n  ".join([f"Outage replay of {len(self.outages)} outages against {self.reference}", *self.verdicts])
+        return "\n  ".join(
+            [f"Outage replay of {counted(len(self.outages), 'outage')} against {self.reference}", *self.verdicts]
+        )

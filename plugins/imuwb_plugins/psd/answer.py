@@ -4,7 +4,7 @@ from imuwb.analysis import Answer, Step
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN
 from imuwb.texts import coefficient_cell, number_text
-from imuwb.units import UNITS, coefficient_units
+from imuwb.units import coefficient_units
 from imuwb_plugins.psd.result import Result, SpectrumAxis
 
 LETTERS = "NB"
@@ -17,9 +17,7 @@ def answer(result: Result) -> Answer:
     rows: list[tuple[str, ...]] = []
     for axes in by_sensor(result.axes).values():
         first = next(iter(axes))
-        units = [
-            UNITS["µg"] if x == "B" and first.startswith("accel") else coefficient_units(first, x)[1] for x in LETTERS
-        ]
+        units = [coefficient_units(first, x)[1] for x in LETTERS]
         for axis, r in axes.items():
             cells = (
                 coefficient_cell(r.coefficients.get(x, UNKNOWN), unit) for x, unit in zip(LETTERS, units, strict=True)

@@ -4,7 +4,7 @@ from imuwb.analysis import Answer, Step
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN
 from imuwb.statistics.distributions import normal_limit
-from imuwb.texts import coefficient_cell, decimals, number_text
+from imuwb.texts import coefficient_cell, counted, decimals, number_text
 from imuwb.units import UNITS, coefficient_units
 from imuwb_plugins.temperature.axis_result import NAMES
 from imuwb_plugins.temperature.result import Result, TemperatureAxis, lag_sentence
@@ -37,7 +37,7 @@ def answer(result: Result) -> Answer:
     sentences = [f"{note[:1].upper()}{note[1:]}." for note in _important(result)][:2]
     sentences.insert(1 if any(one.removed for one in result.lags) else 0, tested)
     return Answer(
-        f"{len(first.by_temperature)} temperatures from {number_text(cold)} to {number_text(hot)} °C", headings, tuple(rows),
+        f"{counted(len(first.by_temperature), 'temperature')} from {number_text(cold)} to {number_text(hot)} °C", headings, tuple(rows),
         tuple(sentences), (DRIVE,), f"{100 * result.level:g} % intervals",
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ from imuwb.arrays import Floats
 from imuwb.health import Doubts
 from imuwb.identification.temperature import AxisTemperatures, Dependence, FirstOrder, FunctionCandidate, Hysteresis
 from imuwb.statistics import Coefficient, Estimate
-from imuwb.texts import estimate_text
+from imuwb.texts import counted, estimate_text
 
 CONVENTION = "AR(1): x(n) = -alpha x(n-1) + beta0 w(n); the paper's b(k+1) = C b(k) + e has C = -alpha"
 
@@ -133,7 +133,8 @@ class Result:
     def __repr__(self) -> str:
         """Return the verdicts on N, one line for each axis."""
         rows = (
-            f"  {name}: {len(a.by_temperature)} temperatures; {a.dependence.text['N']}" for name, a in self.axes.items()
+            f"  {name}: {counted(len(a.by_temperature), 'temperature')}; {a.dependence.text['N']}"
+            for name, a in self.axes.items()
         )
         return "\n".join([self.imu, *rows])
 

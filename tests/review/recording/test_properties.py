@@ -55,3 +55,11 @@ def test_numbers_of_the_answer_take_the_place_of_findings(log):
     assert stated["drift at 60 s interval [m]"] == [1000.0, 2000.0]
     assert stated["alone"] == 2.0
     assert not any(name.startswith("gyro") for name in stated)
+
+
+def test_a_coefficient_whose_interval_begins_at_0_is_a_limit_as_in_the_panel(log):
+    unit = coefficient_units("gyro_x", "K")[1]
+    found = Finding("gyro_x", "likelihood", {"K": Coefficient(unit.to_si(75.8), 0.0, unit.to_si(220.0))})
+    stated = properties("noise", "0.1", 0.95, [log], Answer("x"), (found,))
+    assert stated["gyro x K limit [deg/h^1.5]"] == pytest.approx(220.0)
+    assert not any("interval" in name for name in stated)
