@@ -143,7 +143,7 @@ def test_a_gap_is_noted(imuwb, tmp_path):
     log = written(tmp_path / "gap.csv", 4, 120, keep=lambda n: np.r_[0 : n // 3, n // 2 : n])
     done = imuwb("noise", log, "--no-choose", "--denoise", 0, "--full")
     assert done.code == 0, done.err
-    assert "1 gaps" in done.err
+    assert "1 gap" in done.err
 
 
 @pytest.mark.parametrize("analysis", ["noise", "psd", "autocorrelation", "autoregressive", "allan"])

@@ -51,7 +51,7 @@ def test_a_gap_is_noted_and_leaves_the_figures_as_they_are(log):
     n = len(log.imus[0].angular_rate)
     result = run(rows_of(log, np.r_[0:20_000, 30_000:n]))
     (gaps,) = (note for note in result.notes if note.id == "gaps")
-    assert gaps.startswith("gyro: 1 gaps, 200 s")
+    assert gaps.startswith("gyro: 1 gap, 200 s")
     assert result.axes["gyro_x"].coefficients["N"].value == pytest.approx(7.04e-4, rel=0.03)
     alone = run(rows_of(log, np.r_[30_000:n]))
     for axis, found in result.axes.items():

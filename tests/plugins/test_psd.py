@@ -133,7 +133,7 @@ def test_of_a_log_with_gaps_the_longest_part_counts(make_log, gap):
     rng = np.random.default_rng(32)
     values = WhiteNoise(0.001).sample(6000, 0.01, rng)
     found = psd.run([make_log(values, keep=gap(6000, 1000, 2000))], psd.Parameters())
-    assert any(note.startswith("gyro: 1 gaps") for note in found.notes if note.id == "gaps")
+    assert any(note.startswith("gyro: 1 gap;") for note in found.notes if note.id == "gaps")
     alone = psd.run([make_log(values[2000:])], psd.Parameters())
     np.testing.assert_allclose(found.axes["gyro_x"].density, alone.axes["gyro_x"].density, rtol=1e-9)
 
