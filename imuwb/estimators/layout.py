@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import cast
 
 from imuwb.estimators.tool import Tool
+from imuwb.texts import printable
 
 _PLACE = re.compile(r"\{([\w.:/{}-]+?)\}")
 DIGITS = 10
@@ -46,16 +47,16 @@ def _declaration(lines: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _comments(tool: Tool, texts: Sequence[str]) -> list[str]:
-    plain = [" ".join(text.split()) for text in texts]
-    if tool.form == "xml":
-        return ["<!--", *(f"  {text.replace('--', '- -')}" for text in plain), "-->"]
+    plain = [printable(" ".join(text.split())) for text in texts]
+    if tool.form == "xml":  # two hyphens end a comment
+        return ["<!--", *(f"  {re.sub('-(?=-)', '- ', text)} " for text in plain), "-->"]
     return [f"{tool.comment} {text}" for text in plain]
 
 
 def _json(tool: Tool, texts: Mapping[str, str | None], comments: Sequence[str]) -> str:
     layout = _PLACE.sub(lambda found: (texts[found[1]] or "null") if found[1] in texts else found[0], tool.layout)
     document = cast("dict[str, object]", _without_null(json.loads(layout)))
-    return json.dumps({"comments": list(comments)} | document, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps({"comments": list(map(printable, comments))} | document, indent=2, ensure_ascii=False) + "\n"
 
 
 def _without_null(value: object) -> object:

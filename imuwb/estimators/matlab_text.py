@@ -11,9 +11,9 @@ import re
 
 _MAKERS = {"gyroparams": "gyro", "accelparams": "accel"}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_VALUE = r"\[[^\]]*\]|[^,;()\[\]]+(?:\([^()]*\))?[^,;()\[\]]*"
-_CALL = re.compile(rf"(?:(\w+)\s*=\s*)?\b({'|'.join(_MAKERS)})\s*(?:\(((?:[^()]|\([^()]*\))*)\))?")
-_PAIR = re.compile(rf"[\"'](\w+)[\"']\s*,\s*({_VALUE})|\b(\w+)\s*=\s*({_VALUE})")
+_VALUE = r"\[[^\]]*+\]|[^,;()\[\]]++(?:\([^()]*+\))?[^,;()\[\]]*+"
+_CALL = re.compile(rf"(?:\b(\w++)\s*+=\s*+)?\b({'|'.join(_MAKERS)})\s*+(?:\(((?:[^()]|\([^()]*+\))*+)\))?")
+_PAIR = re.compile(rf"[\"'](\w+)[\"']\s*,\s*({_VALUE})|\b(\w++)\s*+=\s*+({_VALUE})")
 _RATE = re.compile(rf"[\"']?SampleRate[\"']?\s*[,=]\s*({_NUMBER})\s*[,);]")
 #: property -> how many times a double-sided value is that of single-sided noise
 _DOUBLE = {"NoiseDensity": math.sqrt(2), "RandomWalk": 1 / math.sqrt(2)}

@@ -32,11 +32,11 @@ from imuwb.stochastic import (
 LARGEST_FILE = 1 << 22  #: bytes; a file of settings is far smaller
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 #: what may stand between a name and its first number
-_BETWEEN = r"[\"'\w>]{0,2}\s*[:=,(\s]?\s*(?:(?:np|numpy)\.(?:array|diag)\(|diag\(|\{)?\s*[\[({]*\s*"
+_BETWEEN = r"[\"'\w>]{0,2}\s*+[:=,(]?\s*+(?:(?:np|numpy)\.(?:array|diag)\(|diag\(|\{)?\s*+[\[({]*+\s*+"
 _NUMBERS = rf"{_NUMBER}(?:[ \t]*[,;][ \t\n]*{_NUMBER}|[ \t]+{_NUMBER})*"
 #: a line of QGroundControl: vehicle, component, name, value, type
 _STATION = re.compile(rf"(?m)^[ \t]*\d+[ \t]+\d+[ \t]+(\w+)[ \t]+({_NUMBER})[ \t]+\d+[ \t]*$")
-_UNIT_MATRIX = re.compile(r"[ \t]*\*[ \t]*(?:(?:np|numpy)\.(?:eye|identity)\(3\)|(?:gtsam[.:]+)?I_3x3)")
+_UNIT_MATRIX = re.compile(r"(?<![ \t])[ \t]*+\*[ \t]*+(?:(?:np|numpy)\.(?:eye|identity)\(3\)|(?:gtsam[.:]+)?I_3x3)")
 #: what after a number makes it another: the rest of a word, an operator, a unit
 _MORE = re.compile(r"[\w.][^\s;,)]*|[ \t\])}]*(?:\.?[*/^]|[^\W\d_])[^\s;,)]*")
 
@@ -157,7 +157,7 @@ def _recognized(text: str) -> Tool | None:
 
 def _without_comments(text: str, tool: Tool) -> str:
     if tool.form == "xml":
-        return re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+        return re.sub(r"<!--.*?(?:-->|\Z)", "", text, flags=re.DOTALL)
     mark = re.escape(tool.comment)
     return _UNIT_MATRIX.sub("", re.sub(rf"(?m)(?:^|(?<=\s)){mark}(?!YAML).*$", "", text))
 

@@ -21,6 +21,7 @@ from imuwb.stochastic.flicker import FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.processes import Constant, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.stochastic.sums import Sum
+from imuwb.texts import sentence_of
 from imuwb.units import UNITS, Unit, coefficient_units, si_unit, unit
 
 SCHEMA = 1
@@ -138,12 +139,14 @@ def model_of(
         raise UsageError(
             f"{where}: the schema number is {shown(schema)}; this imuwb reads schema {SCHEMA}; update imuwb"
         )
-    name = words(document.pop("name", "unnamed"), f"{where}, name")
+    name = sentence_of(words(document.pop("name", "unnamed"), f"{where}, name"))
     provenance = {
-        k: v if isinstance(v, str) else shown(v)
+        sentence_of(k): sentence_of(v if isinstance(v, str) else shown(v))
         for k, v in table(document.pop("provenance", {}), f"{where}, provenance").items()
     }
-    doubts = tuple(words(doubt, f"{where}, doubts") for doubt in rows(document.pop("doubts", []), f"{where}, doubts"))
+    doubts = tuple(
+        sentence_of(words(doubt, f"{where}, doubts")) for doubt in rows(document.pop("doubts", []), f"{where}, doubts")
+    )
     for axis in document:
         if axis not in AXES:
             raise UsageError(

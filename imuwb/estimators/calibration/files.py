@@ -12,6 +12,7 @@ from imuwb.estimators.calibration.matrices import Matrices, lower_and_turn
 from imuwb.estimators.calibration.thermal import device_row, instance_of
 from imuwb.estimators.temperature import constant
 from imuwb.stochastic import ImuErrorModel, is_ideal
+from imuwb.texts import printable
 
 INSTANCES = {"px4-cal": 3, "ardupilot-ins": 2}  #: form -> largest number of an IMU
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -62,7 +63,7 @@ def calibration_text(
     notes += by_temperature
     source = "; ".join(f"{key}: {text}" for key, text in model.provenance.items())
     head = [form.title, f"facts from {form.source}", f"model {model.name}" + (f", {source}" if source else ""), *notes]
-    comments = [f"# {' '.join(text.split())}" for text in head]
+    comments = [f"# {printable(' '.join(text.split()))}" for text in head]
     first = 1 if lines[0].startswith("%YAML") else 0
     if name == "imu-tk":  # its reader takes numbers only
         return "\n".join(lines) + "\n", tuple(notes)

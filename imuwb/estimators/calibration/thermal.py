@@ -15,6 +15,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature.bias_polynomial import ORDER, BiasPolynomial, polynomial_through
 from imuwb.log import AXES
 from imuwb.stochastic import ImuErrorModel
+from imuwb.texts import printable
 
 REFERENCE = 35.0  #: °C, fixed in ArduPilot
 LEAST_SPAN = 10.0  #: °C, that ArduPilot asks for
@@ -91,7 +92,7 @@ def thermal_text(model: ImuErrorModel, name: str, instance: int | None = None) -
         f"holds from {low:g} to {high:g} °C; outside, the autopilot keeps the value at the end",
         "axes are those of the sensor, before the board's rotation; the record must not have been compensated while it was logged",
     )
-    comments = [f"# {text}" for text in (f"model {model.name}", *notes)]
+    comments = [f"# {printable(text)}" for text in (f"model {model.name}", *notes)]
     return "\n".join([*comments, *rows]) + "\n", notes
 
 
