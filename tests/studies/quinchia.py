@@ -7,7 +7,7 @@ Allan variance agree: their difference is within z √(sa² + sb²), where each 
 93 %. Both estimators use the same record, so chance alone makes them differ in fewer than 5 % of cells.
 
 Preset 3dm-gx3-25-gm (tables 4 and 5): how often ``choose_model`` ranks N + GM first on the gyro axes, its correlation
-time and sigma beside the preset's, and the correlation time as the papers read it, from the centre of the flat part.
+time and sigma beside the preset's, and the correlation time by the peak of the Allan curve.
 
 Command: ``python tests/studies/quinchia.py`` (20 records of the first preset, half as many of the second: about 10
 minutes in one process).
@@ -23,7 +23,6 @@ from coverage_table4 import PRESET, truth
 from study_report import Share, Table, main, over_records, pooled, verdict
 
 from imuwb.identification import (
-    AllanFit,
     allan,
     choose_model,
     fit_allan,
@@ -59,7 +58,7 @@ def record(seed, axis, hours):
 
 
 def markov(seed, axis, hours):
-    """Return the choice of model, the Gauss-Markov term of N + GM, and readings of Tc from the Allan curve."""
+    """Return the choice of model, the Gauss-Markov term of N + GM, and Tc from the Allan curve."""
     x = samples(MARKOV, axis, seed, hours)
     choice = choose_model(x, 1 / RATE)
     sums = next(c.processes for c in choice.candidates if c.name == "N + GM")
@@ -70,7 +69,6 @@ def markov(seed, axis, hours):
         min(choice.candidates, key=lambda c: c.aic).name,
         min(choice.candidates, key=lambda c: c.out_of_sample).name,
         next((t for t in sums.terms if isinstance(t, GaussMarkov)), None),
-        fit_allan(curve),
         peak(curve),
     )
 
@@ -83,7 +81,6 @@ class Markov(NamedTuple):
     by_aic: str
     by_half: str
     term: GaussMarkov | None
-    read: AllanFit
     peak: float | None  #: s
 
 
@@ -199,24 +196,20 @@ def _times(chosen):
     for axis, choices in chosen.items():
         true = next(t for t in preset(MARKOV).axes[axis].processes.terms if isinstance(t, GaussMarkov))
         terms = [c.term for c in choices if c.term is not None]
-        read = [c.read for c in choices if c.read.correlation_time is not None]
         peaks = [c.peak / PEAK for c in choices if c.peak is not None]
         rows.append((
             axis, f"{true.sigma / unit.factor:.4g}", _spread([t.sigma / unit.factor for t in terms]),
-            f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread([r.correlation_time.value for r in read]),
-            _spread([r.gauss_markov_time for r in read]), f"{len(read)} of {len(choices)}", _spread(peaks), f"{len(peaks)} of {len(choices)}",
+            f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread(peaks), f"{len(peaks)} of {len(choices)}",
         ))  # fmt: skip
     note = (
-        "Each cell: median (smallest–largest) over the records. The papers read Tc from the centre of the flat part of the curve; "
-        "a Gauss-Markov process whose curve peaks at that centre has a Tc of the centre over 1.893. `fit_allan` gives no reading where "
-        "the flat part lasts to the end of the record; the flat part of a sum with flicker lasts to the end unless K or R follows. The last "
-        "columns use the peak of the curve after its valley, over 1.893."
+        "Each cell: median (smallest–largest) over the records. The last columns use the peak of the Allan curve after its "
+        "valley, over 1.893. How the papers read Tc is in quinchia_table5.py."
     )
     return Table(
         "Gauss-Markov terms of N + GM",
         (
-            "axis", "true sigma, deg/h", "sigma by likelihood, deg/h", "true Tc, s", "Tc by likelihood, s", "centre of the flat part, s", "Tc from the flat part, s",
-            "readings of the flat part", "peak of the curve over 1.893, s", "readings of the peak",
+            "axis", "true sigma, deg/h", "sigma by likelihood, deg/h", "true Tc, s", "Tc by likelihood, s",
+            "peak of the curve over 1.893, s", "readings of the peak",
         ),
         tuple(rows), note,
     )  # fmt: skip
