@@ -96,12 +96,12 @@ def test_quinchias_coefficients_are_recovered(load):
 
 
 def test_quinchias_table_2_and_5_are_made_again(load):
-    goals, table2, spread, scaled = load("quinchia_table2").study(records=2, hours=0.2, scaled_records=1)
+    goals, table2, spread, scaled = load("quinchia_table2").study(records=2, hours=0.1, scaled_records=1)
     assert (len(goals.rows), len(table2.rows), len(spread.rows), len(scaled.rows)) == (2, 36, 12, 36)
     first = [float(row[4]) for row in table2.rows if row[1:3] == ("AR(3)", "alpha 1")]
     assert len(first) == 6
     assert all(-2.65 < alpha < -2.5 for alpha in first)  # -2.582 to -2.562 in the paper
-    (times,) = load("quinchia_table5").study(records=1, hours=0.3)
+    (times,) = load("quinchia_table5").study(records=1, hours=0.2)
     assert len(times.rows) == 6
 
 
