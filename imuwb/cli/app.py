@@ -29,6 +29,7 @@ COMMANDS = {
     "view": (RESULTS, "Open a recording in the Rerun viewer on this machine."),
     "report": (RESULTS, "Make one page of several analyses of a sensor or a drive, from their recordings."),
     "catalog": (RESULTS, "Write a page of a folder of recordings: what each found, with links, sortable."),
+    "explain": (RESULTS, "Say in a paragraph what a term, a verdict or a fault means."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
     "fleet": (LOGS, "Analyse a fleet of logs, on this machine or a cluster: tables of what each sensor has."),
     "warm": (RESULTS, "Compile everything once, so that no later run has to."),

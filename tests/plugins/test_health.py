@@ -64,9 +64,10 @@ def test_verdicts_and_faults_are_drawn_the_worst_first(damaged, shown):
     verdict, found = shown.tables
     assert verdict.rows == (("/imu", result.streams[0].verdict, "2"),)
     assert [row[:2] for row in found.rows] == [("/imu gyro_y", "fault"), ("/imu", "warning")]
-    assert found.rows[0][3:6] == ("5 970", "—", "—")
-    assert "0.3 s missing" in found.rows[1][2]
-    assert found.rows[1][4] == "19.99 s"
+    assert found.rows[0][4:7] == ("5 970", "—", "—")
+    assert found.rows[1][2] == "gaps"
+    assert "0.3 s missing" in found.rows[1][3]
+    assert found.rows[1][5] == "19.99 s"
     rates, motion = shown.figures
     assert [curve.label for curve in rates.curves] == ["/imu"]
     assert [mark.x for mark in rates.marks] == [pytest.approx(19.99)]
@@ -79,7 +80,7 @@ def test_a_clean_log_says_that_nothing_was_found(make_log, shown):
     health.draw(
         health.run([make_log(np.random.default_rng(5).standard_normal((3000, 3)) * 0.01)], health.Parameters()), shown
     )
-    assert shown.tables[1].rows[0][:3] == ("all", "—", "nothing")
+    assert shown.tables[1].rows[0][:4] == ("all", "—", "—", "nothing")
     assert shown.figures[0].marks == ()
 
 

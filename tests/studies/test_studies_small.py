@@ -180,3 +180,10 @@ def test_simulated_drives_have_the_errors_that_they_state(load, monkeypatch):
             assert 0.4 < mean.value < 2.5, figure
     assert [row[0] for row in body.rows] == list("ABCDE")
     assert len(vibration.rows) == 8
+
+
+def test_plans_state_the_widths_that_records_reach(load):
+    goals, widths = load("plan").study(2, part=8)
+    assert [row[2] for row in widths.rows] == ["N", "N", "B", "Q", "N", "K", "N", "B", "K"]
+    assert all(row[3] > 0 for row in widths.rows)
+    assert goals.rows

@@ -20,9 +20,9 @@ def draw(result: Health, review: Review) -> None:
     rows = tuple((s.name, s.verdict, str(s.faults)) for s in result.streams)
     review.table(Table("Verdict", ("stream", "verdict", "faults and notes"), rows))
     review.table(Table(
-        "Faults and notes", ("stream", "severity", "fault", "count", "time of the first or longest", "duration", "consequence"),
-        tuple(_row(f) for f in result.faults) or (("all", "—", "nothing", "—", "—", "—", "—"),),
-        "Times are seconds from the log's start.", wide=True,
+        "Faults and notes", ("stream", "severity", "kind", "fault", "count", "time of the first or longest", "duration", "consequence"),
+        tuple(_row(f) for f in result.faults) or (("all", "—", "—", "nothing", "—", "—", "—", "—"),),
+        "Times are seconds from the log's start. imuwb explain KIND says what a kind of fault means.", wide=True,
     ))  # fmt: skip
     if result.streams:
         review.figure(_rates(result))
@@ -39,7 +39,7 @@ def draw(result: Health, review: Review) -> None:
 
 def _row(fault: Fault) -> tuple[str, ...]:
     return (
-        fault.stream, fault.severity, fault.what, f"{fault.count:,}".replace(",", " "),
+        fault.stream, fault.severity, fault.kind, fault.what, f"{fault.count:,}".replace(",", " "),
         "—" if fault.start is None else f"{fault.start:.2f} s", "—" if fault.length is None else seconds_text(fault.length),
         fault.consequence or "—",
     )  # fmt: skip
