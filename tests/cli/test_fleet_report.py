@@ -139,6 +139,20 @@ def test_one_sensor_and_one_log_a_sensor_are_judged_as_far_as_they_go(rows, opti
     assert not any("nan" in cell or "inf" in cell for row in family_table(found).rows for cell in row)
 
 
+def test_hostile_names_are_shown_and_do_nothing(imuwb, tmp_path):
+    hostile = "\x1b[2J<script>alert(1)</script>|`# \u202e"
+    rows = rows_of(**FEW | {"planted": False, "damaged": 2})
+    for table in rows.values():
+        for row in table:
+            for name in ("vehicle", "serial", "family", "stream", "message", "path", "remarks"):
+                if row.get(name):
+                    row[name] = f"{hostile}{row[name]}"
+    done = imuwb("fleet", "report", write(tmp_path / "results", rows), "--full", "--html", "fleet.html")
+    assert done.code == 0, done.err
+    assert "\x1b" not in done.out + done.err
+    assert "<script>alert" not in (tmp_path / "fleet.html").read_text("utf-8")
+
+
 def spoiled(folder, how):
     if how == "empty":
         for path in folder.iterdir():

@@ -13,6 +13,7 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.fleet.schemas import SUSPICIOUS
 from imuwb.identification.family import Observations, observations
 from imuwb.identification.family.observations import usable
+from imuwb.texts import name_of
 from imuwb.units import Unit, coefficient_units, unit
 
 compute: Any = pc
@@ -91,10 +92,12 @@ def parts(keys: Sequence[tuple[Integers, list[str]]]) -> Iterator[tuple[list[str
 
 
 def codes(column: Any) -> tuple[Integers, list[str]]:  # noqa: ANN401 - pyarrow has no types
-    """Return the number of each text of a column, -1 for null, and the texts."""
+    """Return the number of each text of a column, -1 for null, and the texts, as they can be shown."""
     whole = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
     coded: Any = (whole if not isinstance(whole, pa.ChunkedArray) else whole.chunk(0)).dictionary_encode()
-    return np.asarray(coded.indices.fill_null(-1), dtype=np.int64), coded.dictionary.to_pylist()
+    return np.asarray(coded.indices.fill_null(-1), dtype=np.int64), [
+        name_of(text) for text in coded.dictionary.to_pylist()
+    ]
 
 
 def _group(table: pa.Table, key: tuple[str, ...], who: Integers, names: list[str], *, doubtful: bool) -> Group:

@@ -11,17 +11,19 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from imuwb.errors import MissingDataError
 from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState
-from imuwb.fleet.schemas import QUARANTINED, SUSPICIOUS
+from imuwb.fleet.schemas import SUSPICIOUS
 from imuwb.identification.family import Judged, Judgement, judge
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import student_limit
 
+compute: Any = pc
 OUTSIDE = "out of family"
 KINDS = {"trend": "drifts", "step": "steps", "log": "one log differs"}  #: of changes, in words
 MANY = 1e6  #: degrees of freedom of a normal variable
@@ -188,15 +190,16 @@ def _quarantine(table: pa.Table) -> Iterator[Worthless]:
 
 def _doubtful(table: pa.Table, logs: Mapping[str, LogRow]) -> Iterator[Worthless]:
     """Yield the logs of which no value is trusted."""
-    seen: dict[str, list[dict[str, Any]]] = {}
-    for row in table.select(["log", "serial", "vehicle", "verdict", "remarks", "headline"]).to_pylist():
-        if row["headline"] is not False:
-            seen.setdefault(row["log"], []).append(row)
-    for key, rows in seen.items():
-        if all(row["verdict"] == SUSPICIOUS for row in rows):
-            first = rows[0]
-            path = logs[key].path if key in logs else str(key)
-            yield Worthless(path, first["serial"] or first["vehicle"] or "", SUSPICIOUS, first["remarks"] or "")
+    taken = table.filter(compute.fill_null(table["headline"], fill_value=True))
+    sound = compute.fill_null(compute.not_equal(taken["verdict"], SUSPICIOUS), fill_value=True)
+    by_log = pa.table({"log": taken["log"], "sound": sound}).group_by("log").aggregate([("sound", "any")])
+    keys = by_log.filter(compute.invert(by_log["sound_any"]))["log"]
+    rows = taken.filter(compute.is_in(taken["log"], value_set=keys.combine_chunks()))
+    for row in {
+        row["log"]: row for row in reversed(rows.select(["log", "serial", "vehicle", "remarks"]).to_pylist())
+    }.values():
+        path = logs[row["log"]].path if row["log"] in logs else str(row["log"])
+        yield Worthless(path, row["serial"] or row["vehicle"] or "", SUSPICIOUS, row["remarks"] or "")
 
 
 def _findings(groups: Sequence[Group], judgement: Judgement) -> Iterator[Finding]:
@@ -234,8 +237,3 @@ def in_si(group: Group, estimate: Estimate) -> Coefficient:
 def quarantined_share(state: RunState) -> float:
     """Return the share of the logs that are in quarantine."""
     return state.quarantined / state.logs if state.logs else 0.0
-
-
-def quarantined_rows(table: pa.Table) -> int:
-    """Return how many logs are in quarantine."""
-    return sum(state == QUARANTINED for state in table["state"].to_pylist())

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Review, Table
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.colors import BLUE, GREY, PALE, RED
 from imuwb.fleet.report.answer import believed, by_text
 from imuwb.fleet.report.groups import Group
@@ -33,6 +33,7 @@ from imuwb.units import coefficient_units
 TABS = 10  #: tabs of findings
 MARKED = 8  #: sensors that a figure names
 ROWS = 300  #: of a long table
+POINTS = 2000  #: sensors or logs of a figure, besides those with a finding
 LIMITS = 60  #: of sensors that are shown
 _SHEET = ("of", "limit", "value", "verdict")
 DAY = 86400.0  #: s
@@ -79,9 +80,10 @@ def sensors_figure(report: FleetReport, place: int, group: str = "") -> Figure:
         *(
             Curve(label, x[rows], value[rows], color, lower[rows], upper[rows], style="points")
             for label, rows, color in (
-                ("the others", ~out & ~changed, GREY), ("changing", changed, BLUE), ("out of family", out, RED),
+                ("the others", _thinned(~out & ~changed), GREY), ("changing", np.flatnonzero(changed), BLUE),
+                ("out of family", np.flatnonzero(out), RED),
             )
-            if rows.any()
+            if rows.size
         ),
     ]  # fmt: skip
     marks = tuple(
@@ -122,7 +124,7 @@ def over_time(report: FleetReport, place: int, number: int) -> Figure:
     start = float(np.nanmin(time)) if dated else 0.0
     x = (time - start) / DAY if dated else np.arange(1.0, time.size + 1)
     own, order = judged.rows.sensor == number, np.argsort(x, kind="stable")
-    mine = order[own[order]]
+    mine, others = order[own[order]], _thinned(~own)
     edge = np.array([float(np.nanmin(x)), float(np.nanmax(x))])
     margin = MARGIN * max(edge[1] - edge[0], 1.0)
     edge = edge + np.array([-margin, margin])
@@ -130,7 +132,7 @@ def over_time(report: FleetReport, place: int, number: int) -> Figure:
     sensor = group.sensors[number]
     curves = (
         _band(f"{100 * report.level:g} % of the family's logs", group, judged.log_range, edge),
-        Curve("all other sensors", x[~own], group.value[~own] / factor, GREY, style="points"),
+        Curve("all other sensors", x[others], group.value[others] / factor, GREY, style="points"),
         Curve(sensor, x[mine], group.value[mine] / factor, RED, group.lower[mine] / factor, group.upper[mine] / factor),
     )
     inside = np.quantile(group.value / factor, MIDDLE)
@@ -141,6 +143,12 @@ def over_time(report: FleetReport, place: int, number: int) -> Figure:
         f"{sensor}: {what(group)} from log to log", axis, f"{group.coefficient} [{group.display.name}]", curves, (), "linear", "linear",
         x_limits=(float(edge[0]), float(edge[1])), y_limits=limits,
     )  # fmt: skip
+
+
+def _thinned(rows: Booleans) -> Integers:
+    """Return rows, evenly fewer of them if there are more than a figure shows."""
+    places = np.flatnonzero(rows)
+    return places[:: max(1, -(-places.size // POINTS))]
 
 
 def _band(label: str, group: Group, extent: Estimate, edge: Floats) -> Curve:
