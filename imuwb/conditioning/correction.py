@@ -13,8 +13,8 @@ from imuwb.axes import check_three_axes
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Conditioning, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note, ids
-from imuwb.stochastic import ImuErrorModel, corrected, is_ideal, is_thermal
-from imuwb.stochastic.deterministic import PLAIN, THERMAL, states
+from imuwb.stochastic import ImuErrorModel, corrected, is_ideal, is_thermal, unscaled
+from imuwb.stochastic.deterministic import PLAIN, RAW, THERMAL, states
 
 
 def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]]:
@@ -72,11 +72,28 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
         changed = replace(imu, angular_rate=_rate(imu, model), specific_force=_force(imu, model))
     except ValueError as error:
         raise UsageError(f"{where}: {error}") from error
-    note = Note("corrected", f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if is_thermal(model) else ''}")
+    changed, lost = _in_si(changed, model)
+    text = f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if is_thermal(model) else ''}"
+    note = Note("corrected", text + lost)
     name, parameters = step or _step(model)
     made = Conditioning(name, parameters, causal=True, delay=0.0, note=note)
     imus = (changed, *log.imus[1:])
     return replace(log, imus=imus, conditioning=(*log.conditioning, made)), note
+
+
+def _in_si(imu: ImuStream, model: ImuErrorModel) -> tuple[ImuStream, str]:
+    """Return the IMU without the axes that the model leaves in counts or volts, and what to say of them."""
+    left = unscaled(model)
+    if not left:
+        return imu, ""
+
+    def kept(triad: Triad | None, sensor: str) -> Triad | None:
+        out = [f"{sensor}_{k}" in left for k in "xyz"]
+        return None if triad is None or all(out) else Triad(triad.time, np.where(out, np.nan, triad.value))
+
+    scaled = replace(imu, angular_rate=kept(imu.angular_rate, "gyro"), specific_force=kept(imu.specific_force, "accel"))
+    names = ", ".join(axis.replace("_", " ") for axis in left)
+    return scaled, f"; without {names}: the model has no scale factor for these samples in {model.provenance[RAW]}"
 
 
 def _step(model: ImuErrorModel) -> tuple[str, str]:

@@ -6,6 +6,7 @@ from .deterministic import corrected as corrected
 from .deterministic import is_ideal as is_ideal
 from .deterministic import is_thermal as is_thermal
 from .deterministic import shown as shown
+from .deterministic import unscaled as unscaled
 from .error_model import ImuErrorModel as ImuErrorModel
 from .error_model_document import is_data_sheet as is_data_sheet
 from .flicker import FLICKER_LEVEL as FLICKER_LEVEL

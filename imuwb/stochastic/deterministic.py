@@ -12,6 +12,7 @@ from imuwb.log import AXES
 from imuwb.stochastic.axis_model import AxisModel, Thermal
 from imuwb.stochastic.error_model import ImuErrorModel
 
+RAW = "calibration_unit"  #: key in a model's provenance: unit of the samples that were calibrated, if it is not SI
 GYROS = 3  #: axes before the first accelerometer
 CLOSE = 1e-14  #: share of the largest value, measured or true; a smaller change ends the iteration
 MOST_TURNS = 200  #: largest number of iterations
@@ -32,6 +33,13 @@ def is_ideal(model: ImuErrorModel) -> bool:
 def states(model: ImuErrorModel, name: str) -> bool:
     """Return whether a model states a term, a field of an axis model, on any axis."""
     return any(np.any(getattr(axis, name)) for axis in model.axes.values())
+
+
+def unscaled(model: ImuErrorModel) -> tuple[str, ...]:
+    """Return the axes whose samples stay in counts or volts after a correction by a model of a calibration of such samples."""
+    if RAW not in model.provenance:
+        return ()
+    return tuple(axis for axis in AXES if not model.axes.get(axis, NOTHING).scale_factor)
 
 
 def is_thermal(model: ImuErrorModel) -> bool:

@@ -10,6 +10,7 @@ from imuwb.log import Triad
 from imuwb.notes import ids
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum, WhiteNoise
 from imuwb_plugins.calibration import METHODS
+from imuwb_plugins.calibration.parameter_table import trace_figure
 
 TILT = np.radians(0.05)
 RATES = "10,50,100"
@@ -182,6 +183,10 @@ def test_counts_give_units_per_count(cube, turns, sensor):
     assert near(turned.parameters["gyro_z"]["sensitivity"], 7505.7 * (1 + sensor.axes["gyro_z"].scale_factor))
     with pytest.raises(UsageError, match=r"accel_x shows .* times its input.*--raw"):
         run("six-position", raw)
+    assert found.model.provenance["calibration_unit"] == "count"
+    assert {t.scaled for t in found.traces if t.title.startswith("Gyro")} == {False}
+    labels = [trace_figure(t, "count").y_title for t in found.traces]
+    assert labels == ["specific force [m/s²]"] * 3 + ["gyro [count]"] * 3
 
 
 def test_many_positions_with_and_without_attitudes(sensor, tmp_path):

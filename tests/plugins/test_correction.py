@@ -115,3 +115,21 @@ def test_what_was_taken_off_is_drawn(save, shown):
     (table,) = shown.tables
     assert [row[0] for row in table.rows] == ["gyro_x", "gyro_z", "accel_y"]
     assert "5.7" in table.rows[0][1]  # deg/s
+
+
+def test_axes_that_stay_in_counts_are_left_out(tmp_path):
+    scaled = {f"accel_{k}": AxisModel(bias=30_000.0, scale_factor=1670.0) for k in "xyz"}
+    still = {f"gyro_{k}": AxisModel(bias=500.0, g_sensitivity=(0.1, 0.0, 0.0)) for k in "xyz"}
+    time = np.arange(100) * (SECOND // 100)
+    counts = ImuStream("/imu", Triad(time, np.full((100, 3), 500.0)), Triad(time, np.full((100, 3), 31_671.0)))
+    raw = Log(Provenance("a.csv", "csv", "sha256:0", 0), imus=(counts,))
+    for turned, left in (({}, "xyz"), ({"gyro_z": AxisModel(bias=500.0, scale_factor=7505.0)}, "xy")):
+        model = ImuErrorModel("mine", {**scaled, **still, **turned}, provenance={"calibration_unit": "count"})
+        path = tmp_path / f"{left}.toml"
+        path.write_text(model.to_toml(), "utf-8")
+        found, _ = correction.condition(raw, correction.Parameters(path))
+        imu = found.imu()
+        assert imu.specific_force.value == pytest.approx(1.0, abs=2e-3)
+        assert (imu.angular_rate is None) == (left == "xyz")
+        assert imu.angular_rate is None or imu.angular_rate.axes == "z"
+        assert f"without gyro {left[0]}" in found.conditioning[-1].note

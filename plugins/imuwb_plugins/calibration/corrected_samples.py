@@ -6,7 +6,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.identification.calibration import RateRun
-from imuwb.stochastic import ImuErrorModel, corrected
+from imuwb.stochastic import ImuErrorModel, corrected, unscaled
 from imuwb_plugins.calibration.result import Trace
 from imuwb_plugins.calibration.stretches import SteadyStretch
 
@@ -45,7 +45,7 @@ def position_traces(
         for k in range(3):
             raw, clean = (np.concatenate(part) for part in ([t[2][:, k] for t in thin], [a[0][:, k] for a in after]))
             title = f"Gyro {'xyz'[k]}, all positions in sequence"
-            traces.append(Trace(title, x, raw, clean, np.zeros(x.size)))
+            traces.append(Trace(title, x, raw, clean, np.zeros(x.size), f"gyro_{'xyz'[k]}" not in unscaled(model)))
     return traces
 
 

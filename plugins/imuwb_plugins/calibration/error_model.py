@@ -12,6 +12,7 @@ from imuwb.identification.calibration import AxisCalibration
 from imuwb.log import Log, source_of
 from imuwb.statistics import Estimate
 from imuwb.stochastic import AxisModel, ImuErrorModel
+from imuwb.stochastic.deterministic import RAW
 
 LARGEST_GAIN = 2.0  #: largest plausible gain of a log in SI; the smallest is its inverse
 
@@ -124,6 +125,7 @@ def provenance_of(method: str, logs: Sequence[Log], raw: str) -> dict[str, str]:
     return {
         "calibration": method + (f", {raw} to SI" if raw else ""),
         "calibration_logs": "; ".join(source_of(log) for log in logs),
+        **({RAW: raw} if raw else {}),
     } | sensor_identity(logs[0])
 
 

@@ -65,16 +65,19 @@ def trace_figure(trace: Trace, raw_unit: str) -> Figure:
     """Return samples before (blue) and after (red) the correction, and the true value (Hassaballa, figures 4 and 5)."""
     gyro = trace.title.startswith("Gyro")
     factor, unit = (DEGREE, "deg/s") if gyro else (1.0, "m/s²")
+    if raw_unit and not trace.scaled:
+        factor, unit = 1.0, raw_unit
     curves = [
         Curve("corrected", trace.x, trace.corrected / factor, RED, style="curve"),
         Curve("reference", trace.x, trace.reference / factor, INK, style="fit"),
     ]
-    title = f"{trace.title}: corrected" if raw_unit else f"{trace.title}: raw and corrected"
-    if not raw_unit:  # counts do not fit an axis in SI
+    only = bool(raw_unit) and trace.scaled  # counts do not fit an axis in SI
+    title = f"{trace.title}: corrected" if only else f"{trace.title}: raw and corrected"
+    if not only:
         curves.insert(0, Curve("raw", trace.x, trace.raw / factor, BLUE, style="curve"))
     if np.ptp(trace.reference) > 0:  # the corrected samples cover the reference of a staircase, and must stay visible
         curves.insert(0, curves.pop())
-    quantity = "angular rate" if gyro else "specific force"
+    quantity = "gyro" if unit == raw_unit else "angular rate" if gyro else "specific force"
     return Figure(title, "time [s]", f"{quantity} [{unit}]", tuple(curves), x_scale="linear", y_scale="linear",
                   y_limits=_limits(c.y for c in curves))  # fmt: skip
 

@@ -20,6 +20,7 @@ class Trace:
     raw: Floats
     corrected: Floats
     reference: Floats
+    scaled: bool = True  #: whether the correction leads to SI; a gyro in counts without a scale factor stays in counts
 
 
 @dataclass(frozen=True, slots=True)
