@@ -12,6 +12,7 @@ and these, if it needs them:
 
 * ``LOGS = (fewest, most)``: how many logs the analysis takes. Without ``LOGS`` it takes one; ``most`` = None means any number;
   (0, 0): the analysis makes its own logs, and its command has no options of reading and conditioning.
+* ``TAKES_COUNTS = True``: samples in counts of an unknown scale are no error, see ``Origin.counts``;
 * ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
   recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, this text replaces "error-model" in the name.
 * ``objections(result) -> tuple of notes``: why no error model should be made of the logs. If there are any, the error model

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.errors import MissingDataError
+from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.progress import tracked
@@ -69,6 +69,21 @@ def check_three_axes(path: str, imu: ImuStream, what: str) -> None:
     if any(triad.axes != "xyz" for triad in triads):
         raise MissingDataError(
             f"{path}: {imu.name} has only {', '.join(imu.axes())}; {what} needs three axes of each sensor"
+        )
+
+
+def check_scaled(path: str, imu: ImuStream, what: str) -> None:
+    """Raise UsageError, which names the sensors, if samples of an IMU are counts.
+
+    Args:
+        path: the log's path.
+        imu: the IMU.
+        what: what needs values in a unit, for the message.
+    """
+    if imu.origin.counts:
+        raise UsageError(
+            f"{path}: {imu.name}: {' and '.join(imu.origin.counts)} are in counts, and {what} needs values in a unit; give the scale of the data sheet, "
+            "such as --units gyro=131LSB/(deg/s),accel=16384LSB/g, or calibrate the log and read it --through correction:model=MODEL.toml"
         )
 
 

@@ -43,7 +43,9 @@ class Unit:
 
 
 #: dimension -> {unit: factor to SI}; the first unit of a dimension is its SI unit.
+COUNT = "count"  #: unit of samples without a scale
 _TABLE: dict[str, dict[str, float]] = {
+    "counts": {COUNT: 1},
     "time": {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": _H},
     "frequency": {"Hz": 1, "kHz": 1e3},
     "length": {"m": 1, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "ft": 0.3048},
@@ -95,7 +97,7 @@ UNITS: dict[str, Unit] = {
 
 #: Other spelling -> name in the table; ``_canonical`` comes first.
 _ALIASES = {
-    "dps": "deg/s", "deg/sec": "deg/s", "degps": "deg/s", "°/s": "deg/s", "rad/sec": "rad/s",
+    "counts": COUNT, "dps": "deg/s", "deg/sec": "deg/s", "degps": "deg/s", "°/s": "deg/s", "rad/sec": "rad/s",
     "rads": "rad/s", "°/h": "deg/h", "deg/hr": "deg/h", "mps2": "m/s²", "ms2": "m/s²", "m/s/s": "m/s²",
     "m/s2": "m/s²", "ms-2": "m/s²", "m/ss": "m/s²", "m/sec²": "m/s²", "gee": "g", "mgee": "mg", "ug": "µg",
     "μg": "µg", "ug/√hz": "µg/√Hz", "μg/√hz": "µg/√Hz", "sec": "s", "seconds": "s", "msec": "ms",

@@ -8,6 +8,7 @@ import typer
 
 from imuwb import __version__
 from imuwb.analysis import Analysis, Answer, Figure, Table, offers
+from imuwb.axes import check_scaled
 from imuwb.cli.analyses import errors_named
 from imuwb.cli.explain import names_in
 from imuwb.cli.imus import compares, comparison, split, with_choice
@@ -73,6 +74,9 @@ def _computed(
     plugin = cast("Any", analysis)
     with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
         # The study comes first, because it finds a setting that does not suit a log before the long work begins.
+        for log in () if getattr(plugin, "TAKES_COUNTS", False) else logs:
+            for imu in log.imus:
+                check_scaled(log.provenance.path, imu, name)
         study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
         return study, plugin.run(logs, parameters)
 

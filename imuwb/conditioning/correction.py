@@ -83,15 +83,20 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
 
 def _in_si(imu: ImuStream, model: ImuErrorModel) -> tuple[ImuStream, str]:
     """Return the IMU without the axes that the model leaves in counts or volts, and what to say of them."""
-    left = unscaled(model)
-    if not left:
+    if RAW not in model.provenance:
         return imu, ""
+    left = unscaled(model)
 
     def kept(triad: Triad | None, sensor: str) -> Triad | None:
         out = [f"{sensor}_{k}" in left for k in "xyz"]
         return None if triad is None or all(out) else Triad(triad.time, np.where(out, np.nan, triad.value))
 
-    scaled = replace(imu, angular_rate=kept(imu.angular_rate, "gyro"), specific_force=kept(imu.specific_force, "accel"))
+    scaled = replace(
+        imu, angular_rate=kept(imu.angular_rate, "gyro"), specific_force=kept(imu.specific_force, "accel"),
+        origin=replace(imu.origin, units="rad/s, m/s²"),
+    )  # fmt: skip
+    if not left:
+        return scaled, ""
     names = ", ".join(axis.replace("_", " ") for axis in left)
     return scaled, f"; without {names}: the model has no scale factor for these samples in {model.provenance[RAW]}"
 

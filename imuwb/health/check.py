@@ -120,6 +120,11 @@ def _examined(
     from imuwb.health.motion import segments  # noqa: PLC0415
     from imuwb.health.turning import turning_faults  # noqa: PLC0415
 
+    if imu.origin.counts:
+        sensors = " and ".join(imu.origin.counts)
+        unknown = Fault(imu.name, "counts", f"{sensors} are in counts: their values are not judged", "note",
+                        consequence="give the scale of the data sheet, or calibrate")  # fmt: skip
+        return (), [unknown, *held_rows(imu.name, axes)]
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
     spans = segments(axes, lone, travelled)
     own = (

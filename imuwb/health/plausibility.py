@@ -56,7 +56,7 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
 def felt_gravity(log: Log, imu: ImuStream) -> Iterator[Fault]:
     """Yield a fault if the usual specific force of an IMU is not of the size of gravity and of its accelerations."""
     triad = imu.specific_force
-    if triad is None or len(triad.axes) < 3 or not len(triad):  # noqa: PLR2004 - the size needs three axes
+    if "accel" in imu.origin.counts or triad is None or len(triad.axes) < 3 or not len(triad):  # noqa: PLR2004 - the size needs three axes
         return
     size = float(np.median(np.linalg.norm(triad.value[:: len(triad) // LOOKED_AT + 1], axis=1)))
     expected = _accelerated(log)

@@ -1,9 +1,10 @@
 """The quantities of a text log, and what their units measure."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from imuwb.errors import UsageError
-from imuwb.units import unit
+from imuwb.log import SENSORS
+from imuwb.units import COUNT, Unit, unit
 
 #: quantity -> the dimension of its units
 DIMENSIONS = {
@@ -27,6 +28,17 @@ GROUPS = {
 }
 
 
+def measures(measure: Unit, quantity: str) -> bool:
+    """Return whether a unit is one of a quantity; samples of gyros and accelerometers may be counts."""
+    return measure.dimension == DIMENSIONS[quantity] or (quantity in SENSORS and measure.name == COUNT)
+
+
+def units_text(units: Iterable[tuple[str, Unit | None]]) -> str:
+    """Return the names of units, each once, from (quantity, unit); counts are named with their sensor: ``gyro count, m/s²``."""
+    names = (f"{quantity} {COUNT}" if u.name == COUNT else u.name for quantity, u in units if u is not None)
+    return ", ".join(dict.fromkeys(names))
+
+
 def units_by_quantity(texts: Mapping[str, str]) -> dict[str, str]:
     """Return the unit of each quantity; ``position`` and ``velocity`` stand for their parts.
 
@@ -40,7 +52,7 @@ def units_by_quantity(texts: Mapping[str, str]) -> dict[str, str]:
                 raise UsageError(
                     f"units: there is no quantity {quantity!r}; write one of: {', '.join((*DIMENSIONS, *GROUPS))}"
                 )
-            if unit(text).dimension != DIMENSIONS[name]:
+            if not measures(unit(text), name):
                 dimension = DIMENSIONS[name].replace("_", " ")
                 raise UsageError(f"units: {text!r} is not a unit of {dimension}, which {quantity} needs")
             units[name] = text

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from imuwb.axes import check_scaled
 from imuwb.errors import UsageError
 from imuwb.log import Log
 from imuwb.progress import Progress
@@ -35,6 +36,8 @@ def write(log: Log, path: str | Path, progress: Progress | None = None) -> None:
         ImuwbError: the file cannot be written.
     """
     path = Path(path)
+    for imu in log.imus:
+        check_scaled(log.provenance.path, imu, "a new log")
     if path.suffix == ".mcap":
         from imuwb.writers.mcap_log import write_mcap  # noqa: PLC0415 - only the writer that is needed
 

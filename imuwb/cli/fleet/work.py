@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from imuwb.analysis import Analysis
+from imuwb.axes import check_scaled
 from imuwb.cli.analyses import analysis_named, errors_named
 from imuwb.cli.imus import with_choice
 from imuwb.cli.options import Conditions, Outputs, Part, Request
@@ -137,6 +138,8 @@ def _examined(settings: Settings, task: Task, stage: _Stage) -> parts.Part:
     stage.name = "analyse"
     log = conditioned(log, settings.through)[0]
     with errors_named(settings.name, plugin):
+        for imu in () if getattr(plugin, "TAKES_COUNTS", False) else log.imus:
+            check_scaled(log.provenance.path, imu, settings.name)
         result = plugin.run([log], parameters)
         sensors = tuple(sensor_rows(settings.name, plugin, parameters, result, log))
         return parts.Part(stage.log, sensors, tuple(outage_rows(settings.name, plugin, result, log)))

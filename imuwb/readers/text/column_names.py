@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from imuwb.errors import ImuwbError, UsageError
-from imuwb.readers.quantities import DIMENSIONS
+from imuwb.readers.quantities import DIMENSIONS, measures
 from imuwb.units import Unit, unit
 
 _DATA = r"(?:[_ .]?(?:readings?|data|meas(?:urements?)?))?"
@@ -236,7 +236,7 @@ def _column(index: int, name: str, units: Mapping[str, str]) -> Column | None:
             measure = unit(units[quantity]) if quantity in units else stated
             if quantity in ("fix_type", "week"):
                 measure = unit("1")
-            if measure is None or measure.dimension == DIMENSIONS[quantity]:
+            if measure is None or measures(measure, quantity):
                 return Column(index, name, quantity, axis, measure, stream)
     return None
 

@@ -10,7 +10,7 @@ from imuwb.arrays import Floats
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.text.column_names import Column
 from imuwb.readers.text.trust import is_number
-from imuwb.units import STANDARD_GRAVITY, UNITS, Unit
+from imuwb.units import COUNT, STANDARD_GRAVITY, UNITS, Unit
 
 STILL = 0.1  #: largest relative difference between the specific force at rest and standard gravity
 WRONG = 2.0  #: factor between the specific force and one gravity, beyond which the stated unit is doubtful
@@ -67,6 +67,8 @@ def check_gravity(path: Path, force: Floats, used: Sequence[Column]) -> bool:
         UnreadableLogError: the samples are one gravity in another unit than the stated one, or no specific force.
     """
     stated = next(column.unit for column in used if column.quantity == "accel")
+    if stated is not None and stated.name == COUNT:
+        return True
     sound = force[np.isfinite(force).all(axis=1) & (np.abs(force) < DAMAGED).all(axis=1)]
     if not sound.size:
         return False

@@ -12,6 +12,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.readers.batch import Batch
 from imuwb.readers.gps_time import unix_of_gps
+from imuwb.readers.quantities import units_text
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.clock import LATEST, OUR_DAYS
 from imuwb.readers.text.column_names import Column
@@ -139,8 +140,7 @@ class SentenceRows:
 
     def _origin(self, kind: Kind) -> Origin:
         quantities = ("gyro", "accel", *RATES) if kind == "imu" else ("latitude", "height", "height_msl")
-        names = (c.unit.name for c in self._columns if c.unit is not None and c.quantity in quantities)
-        units = ", ".join(dict.fromkeys(names))
+        units = units_text((c.quantity, c.unit) for c in self._columns if c.quantity in quantities)
         shifted = self._epoch == "boot" and self._offset is not None
         epoch: Epoch = "unix" if shifted else self._epoch
         if kind == "imu":

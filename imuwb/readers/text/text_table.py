@@ -13,7 +13,7 @@ from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import damaged
-from imuwb.readers.quantities import units_by_quantity
+from imuwb.readers.quantities import units_by_quantity, units_text
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
@@ -260,8 +260,7 @@ class _Rows:
 
     def _origin(self, kind: Kind) -> Origin:
         quantities = ("gyro", "accel", *RATES) if kind == "imu" else ("latitude", "height", "height_msl")
-        used = (c.unit.name for c in self._used if c.unit is not None and c.quantity in quantities)
-        units = ", ".join(dict.fromkeys(used))
+        units = units_text((c.quantity, c.unit) for c in self._used if c.quantity in quantities)
         if kind != "imu":
             above = f" ({MEAN_SEA_LEVEL})" if heights_above_sea(self._used) else ""
             return Origin(units + above, "NED", self._clock.epoch)

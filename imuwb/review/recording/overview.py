@@ -13,6 +13,7 @@ from imuwb.review.drawn.envelope import extremes
 from imuwb.review.scene.clock import Clock
 from imuwb.review.tables.streams import streams_of_many, streams_table
 from imuwb.summary import summarize
+from imuwb.units import COUNT
 
 MANY = 3  #: up to this number of logs, each is shown over time
 SPANS = 600  #: of an axis, whose chart fills half a screen
@@ -58,13 +59,18 @@ def _show(all_series: Iterable[Series], log: Log, clock: Clock, review: Review) 
 def _axes(imu: ImuStream) -> Iterator[Series]:
     """Yield a chart for each axis, because the extremes of one axis would hide the others."""
     for sensor, triad in _triads(imu):
-        _, unit, scale = SENSORS[sensor]
+        _, unit, scale = _shown(imu, sensor)
         time, drawn = extremes(triad.time, triad.value, SPANS)
         for axis in triad.axes:
             values = drawn[:, "xyz".index(axis)] * scale
             # The viewer may label a single tick of an axis, so the title has the range.
             title = f"{sensor} {axis} of {imu.name}, {_range_text(values)}"
             yield Series(title, unit, time, values[:, None], (f"{sensor} {axis}",), (AXIS_COLORS[axis],))
+
+
+def _shown(imu: ImuStream, sensor: str) -> tuple[str, str, float]:
+    """Return quantity, display unit, and the value of one stored unit in the display unit."""
+    return (sensor, COUNT, 1.0) if sensor in imu.origin.counts else SENSORS[sensor]
 
 
 def _range_text(values: Floats) -> str:
@@ -90,7 +96,7 @@ def _others(log: Log) -> Iterator[Series]:
         yield Series(f"speed: {speed.name}", "m/s", speed.time, speed.value[:, None], ("speed",), (GREY,))
     for imu in log.imus[1:]:
         for sensor, triad in _triads(imu):
-            quantity, unit, scale = SENSORS[sensor]
+            quantity, unit, scale = _shown(imu, sensor)
             time, drawn = extremes(triad.time, triad.value, SPANS)
             values = drawn[:, ["xyz".index(axis) for axis in triad.axes]] * scale
             names = tuple(f"{sensor} {axis}" for axis in triad.axes)

@@ -24,6 +24,7 @@ class Method:
 
     LOGS: ClassVar = (1, None)
     LEAVES_MODEL: ClassVar = "calibration"
+    TAKES_COUNTS: ClassVar = True
 
     def __init__(self, parameters: Any, computing: str, drawing: str) -> None:  # noqa: ANN401 - a dataclass of options
         """Take the options, whose docstring is the help, and the names of the modules with ``run`` and ``draw``."""

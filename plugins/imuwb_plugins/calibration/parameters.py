@@ -12,7 +12,8 @@ TILT = Between(0.0, 10.0)  #: deg
 Latitude: TypeAlias = Annotated[float | None, Between(-90.0, 90.0)]
 Duration: TypeAlias = Annotated[float, Between(1.0)]
 Raw: TypeAlias = Annotated[
-    str, "Unit of a log in counts or volts, such as count or V; read such a log with --units gyro=rad/s,accel=m/s2."
+    str,
+    "Unit of a log in counts or volts, such as V; default: count for a log that is read with --units gyro=count,accel=count.",
 ]
 
 AsMeasured: TypeAlias = Annotated[

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,7 @@ from imuwb_plugins.calibration.stretches import (
     check_still,
     still_positions,
     temperature_of,
+    unit_of_counts,
 )
 
 RANGES = (2, 4, 8, 16, 32, 64, 128)  #: g, usual full ranges
@@ -49,6 +51,7 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     """
     base = None if p.into is None else ImuErrorModel.read(p.into)
     logs, before = before_logging(logs, undo=p.as_measured)
+    p = replace(p, raw=unit_of_counts(logs, p.raw))
     stretches, notes = still_positions(logs, p.shortest, p.FEWEST, p.raw)
     gravity = _gravity(p)
     check_clipping(stretches, "accel")

@@ -1,7 +1,7 @@
 """From runs of a rate table to the calibration of the gyros."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from imuwb_plugins.calibration.error_model import (
 from imuwb_plugins.calibration.notes import table_notes
 from imuwb_plugins.calibration.parameters import RateTable
 from imuwb_plugins.calibration.result import Step, TableResult, TableRun
-from imuwb_plugins.calibration.stretches import SteadyStretch, check_clipping, steps_of, temperature_of
+from imuwb_plugins.calibration.stretches import SteadyStretch, check_clipping, steps_of, temperature_of, unit_of_counts
 
 RANGES = (250, 300, 500, 1000, 2000, 4000, 8000, 20000)  #: deg/s, usual full ranges
 VERTICAL = 0.7  #: share of the specific force along an axis, from which the axis is vertical
@@ -48,6 +48,7 @@ def run(logs: Sequence[Log], p: RateTable) -> TableResult:
     """
     base = None if p.into is None else ImuErrorModel.read(p.into)
     logs, before = before_logging(logs, undo=p.as_measured)
+    p = replace(p, raw=unit_of_counts(logs, p.raw))
     turned = [_turned(log, p, base) for log in logs]
     runs = [t.run for t in turned]
     given = None if p.range is None else float(np.radians(p.range))

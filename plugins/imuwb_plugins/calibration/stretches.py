@@ -11,9 +11,10 @@ from imuwb.arrays import Floats
 from imuwb.axes import check_three_axes
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.calibration import clipped, shared, steady
-from imuwb.log import ImuStream, Log, Triad
+from imuwb.log import SENSORS, ImuStream, Log, Triad
 from imuwb.notes import Note
 from imuwb.sampling import sampling
+from imuwb.units import COUNT
 
 FEWEST = 64  #: fewest samples of a stretch, for the scatter of its parts
 LEAST, USUAL = 1.0, 10.0  #: s, limits of the shortest duration of a position that is found from a log
@@ -128,6 +129,25 @@ def _positions(
         for span in spans
         if (s := _stretch(log, imu, span, len(spans), with_gyro=with_gyro, number=number)) is not None
     ]
+
+
+def unit_of_counts(logs: Sequence[Log], raw: str) -> str:
+    """Return the unit of samples that are not in SI: the given one, or that which the logs state; "" for SI.
+
+    Raises:
+        UsageError: some sensors are in counts, and others are not.
+    """
+    stated = {sensor in log.imu().origin.counts for log in logs for sensor in _sensors(log)}
+    if len(stated) > 1:
+        raise UsageError(
+            "some sensors of the logs are in counts and others are not; read all in counts: --units gyro=count,accel=count"
+        )
+    return raw or (COUNT if True in stated else "")
+
+
+def _sensors(log: Log) -> list[str]:
+    imu = log.imu()
+    return [s for s, triad in zip(SENSORS, (imu.angular_rate, imu.specific_force), strict=True) if triad is not None]
 
 
 def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:

@@ -8,6 +8,7 @@ Example: imuwb health flight.bin --json faults.json
 import lazy_loader
 
 EVERY_IMU = True
+TAKES_COUNTS = True
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
