@@ -32,8 +32,7 @@ Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "refere
 #: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
 Effect = Literal["lost", "time", "order", "value"]
 
-SENSORS = ("gyro", "accel")
-AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+SENSORS, AXES = ("gyro", "accel"), ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 MOST_NOTES = 4  #: notes of a log that an error repeats
 MEAN_SEA_LEVEL = "above mean sea level"  #: part of ``Origin.units`` if heights are not above WGS 84
 BY_FILTER = "estimated by the vehicle's own filter"  #: part of ``Origin.frame`` of such a stream
@@ -167,7 +166,7 @@ class Origin:
 
     @property
     def counts(self) -> tuple[str, ...]:
-        """The sensors, gyro or accel, whose samples are counts of an unknown scale, as ``--units gyro=count`` states."""
+        """The sensors, gyro or accel, whose samples are counts of an unknown scale (``--units gyro=count``)."""
         return tuple(sensor for sensor in SENSORS if f"{sensor} {COUNT}" in self.units.split(", "))
 
     @property

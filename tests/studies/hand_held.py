@@ -176,8 +176,8 @@ def _real():
     note = (
         f"{len(result.positions)} positions and {len(result.motions.apart)} motions, found without any option. Over a motion, the integral of the "
         f"gyros and the accelerometers differ by {turns:.2f}° rms. The published gyros are those of the published model: fitted to these motions, it "
-        "gives them again within a few counts. imuwb's model has a g-sensitivity, which is many times its interval here and makes the interval of "
-        "the scale factors four times shorter; its scale factors are nearer the factory's."
+        "gives them again within 4 counts. imuwb's model has a g-sensitivity too, many times its interval here; its scale factors of y and z are "
+        "nearer the factory's, that of x is as near as its interval."
     )
     headings = ("parameter", "published", "imuwb", "95 % interval", "published method", "factory")
     return Table("Xsens MTi, against the published figures", headings, tuple(rows), note)
@@ -224,9 +224,9 @@ def xsens():
         path = Path(folder) / "xsens.csv"
         names = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
         np.savetxt(path, np.hstack([parts[0], parts[1][:, 1:]]), delimiter=",", fmt="%.6f", header=names, comments="")
-        log = imuwb.read(path, ReadOptions(units="gyro=rad/s,accel=m/s2"))
+        log = imuwb.read(path, ReadOptions(units="gyro=count,accel=count"))
     method = METHODS["multi-position"]
-    return log, method.run([log], method.Parameters(raw="count", gravity=GRAVITY))
+    return log, method.run([log], method.Parameters(gravity=GRAVITY))
 
 
 if __name__ == "__main__":
