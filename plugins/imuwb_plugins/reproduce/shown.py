@@ -92,7 +92,7 @@ def _state(table: TableComparison) -> str:
 
 
 def _table(table: TableComparison, review: Review) -> None:
-    rows = tuple(_cells(row) for row in table.rows)
+    rows = tuple(cells_of(row) for row in table.rows)
     caption = f"Made with: {table.command}" if table.command else ""
     name = f"Table {table.number}" if table.number[0].isdigit() else table.number.capitalize()
     review.table(Table(f"{name}: {table.title}", HEADINGS, rows, caption, wide=True))
@@ -100,7 +100,8 @@ def _table(table: TableComparison, review: Review) -> None:
         review.note(reading)
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def cells_of(row: Row) -> tuple[str, ...]:
+    """Return a row of ``HEADINGS``."""
     unit = "" if row.unit == "1" else row.unit
     ratio = "—" if math.isnan(row.ratio) else f"{row.ratio:.3f}"
     return (row.quantity, row.item.replace("_", " "), unit, row.published, _text(row), ratio, row.verdict)

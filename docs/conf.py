@@ -1,0 +1,43 @@
+"""Builds the documentation: ``sphinx-build -W docs site``. Needs the extra "docs"; no network."""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+from making import make  # noqa: E402 - after its folder is known
+
+project, author = "imuwb", "the authors of imuwb"
+version = release = version_of("imuwb")
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.intersphinx",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinxcontrib.programoutput",
+]
+exclude_patterns = ["inventories", "making"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "fieldlist"]
+myst_heading_anchors = 3
+html_theme = "furo"
+html_title = f"imuwb {version}"
+html_static_path = ["static"]
+html_show_sourcelink = False
+copybutton_prompt_text, copybutton_only_copy_prompt_lines = "$ ", True
+intersphinx_mapping = {
+    "python": ("https://docs.python.org/3", str(HERE / "inventories" / "python.inv")),
+    "numpy": ("https://numpy.org/doc/stable", str(HERE / "inventories" / "numpy.inv")),
+}
+autodoc_member_order, autodoc_typehints = "bysource", "signature"
+napoleon_google_docstring, napoleon_numpy_docstring = True, False
+programoutput_use_ansi = False
+
+
+def setup(app: object) -> None:
+    """Make the pages that come from the code, before the build reads them."""
+    del app
+    make(HERE)

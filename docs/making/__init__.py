@@ -1,0 +1,22 @@
+"""The pages that come from the code: commands, papers, studies, gallery. They are made before each build, and not committed."""
+
+import os
+import shutil
+from pathlib import Path
+
+from making import commands, gallery, papers, studies
+
+FOLDER = "made"
+KEEP = "IMUWB_DOCS_KEEP"  #: for those who write a page, and do not want to wait
+
+
+def make(docs: Path) -> None:
+    """Make all pages in ``docs/made`` again; with ``KEEP`` in the environment, only if there are none."""
+    made = docs / FOLDER
+    if os.environ.get(KEEP) and made.is_dir():
+        return
+    shutil.rmtree(made, ignore_errors=True)
+    for part in (commands, papers, studies, gallery):
+        folder = made / part.__name__.rpartition(".")[2]
+        folder.mkdir(parents=True)
+        part.make(folder)
