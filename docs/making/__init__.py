@@ -4,9 +4,10 @@ import os
 import shutil
 from pathlib import Path
 
-from making import commands, gallery, papers, studies
+from making import commands, gallery, papers, studies, terms
 
-FOLDER = "made"
+FOLDER, RUN = "made", "run"  #: RUN: where the commands of the pages run
+SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 KEEP = "IMUWB_DOCS_KEEP"  #: for those who write a page, and do not want to wait
 
 
@@ -16,7 +17,11 @@ def make(docs: Path) -> None:
     if os.environ.get(KEEP) and made.is_dir():
         return
     shutil.rmtree(made, ignore_errors=True)
-    for part in (commands, papers, studies, gallery):
+    run = made / RUN
+    run.mkdir(parents=True)
+    for log in SAMPLES.glob("*.mcap"):
+        shutil.copyfile(log, run / log.name)
+    for part in (terms, commands, papers, studies, gallery):
         folder = made / part.__name__.rpartition(".")[2]
         folder.mkdir(parents=True)
         part.make(folder)
