@@ -29,6 +29,10 @@ def help_of(*names: str) -> str:
     """Return what ``--help`` of a command prints."""
     environment = {**os.environ, "COLUMNS": WIDTH, "NO_COLOR": "1", "TERM": "dumb"}
     done = subprocess.run(  # noqa: S603 - imuwb itself
-        [sys.executable, "-P", "-m", "imuwb", *names, "--help"], capture_output=True, text=True, env=environment, check=True
+        [sys.executable, "-P", "-m", "imuwb", *names, "--help"],
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=True,
     )
     return done.stdout

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from making.markdown import console, index
-
 import imuwb
 from imuwb.review.answers.panel import Origin, panel
+from making.markdown import console, index
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "samples"

@@ -24,4 +24,6 @@ def console(command: str, output: str) -> str:
 def index(folder: Path, title: str, text: str, names: Iterable[str]) -> None:
     """Write the first page of a folder, with the contents."""
     contents = "\n".join(names)
-    (folder / "index.md").write_text(f"# {title}\n\n{text}\n\n```{{toctree}}\n:maxdepth: 1\n\n{contents}\n```\n", "utf-8")
+    (folder / "index.md").write_text(
+        f"# {title}\n\n{text}\n\n```{{toctree}}\n:maxdepth: 1\n\n{contents}\n```\n", "utf-8"
+    )

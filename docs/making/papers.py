@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
+import imuwb
 from imuwb_plugins.reproduce import METHODS
 from imuwb_plugins.reproduce.comparison import Reproduction, TableComparison
 from imuwb_plugins.reproduce.shown import HEADINGS, cells_of
 from making.markdown import index, table
-
-import imuwb
 
 
 def make(folder: Path) -> None:

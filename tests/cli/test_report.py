@@ -68,7 +68,9 @@ def test_recordings_make_one_page_with_the_same_parts_as_their_own_pages(imuwb):
     Path("jerk.py").write_text(
         next(
             b
-            for b in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+            for b in re.findall(
+                r"```python\n(.*?)```", (ROOT / "docs" / "how-to" / "plugin.md").read_text("utf-8"), re.DOTALL
+            )
             if "jerk" in b
         ),
         "utf-8",
@@ -94,7 +96,7 @@ def test_recordings_make_one_page_with_the_same_parts_as_their_own_pages(imuwb):
     )
     assert (code, "both.html" in text) == (0, True)
     page, own = Path("both.html").read_text("utf-8"), Path("x.html").read_text("utf-8")
-    assert "exceeded jerk [m/s³]" in own  # the plugin of README appears without a change
+    assert "exceeded jerk [m/s³]" in own  # the plugin of the pages appears without a change
     for said in (
         "exceeded jerk [m/s³]",
         *(json.loads(Path(f"{axis}.json").read_text("utf-8"))["run"] for axis in "xy"),

@@ -1,4 +1,4 @@
-"""Other programs read the tables, and the examples of README run on them."""
+"""Other programs read the tables, and the examples of the pages run on them."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 from imuwb.fleet.schemas import TABLES, file_of
 from tests.fleet_results import rows_of, write
 
-README = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "how-to" / "fleet.md").read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -21,14 +21,14 @@ def results(tmp_path_factory):
 
 def test_readme_names_every_column():
     for name, schema in TABLES.items():
-        (row,) = re.findall(rf"^\| `{re.escape(file_of(name))}` .*$", README, re.MULTILINE)
+        (row,) = re.findall(rf"^\| `{re.escape(file_of(name))}` .*$", PAGE, re.MULTILINE)
         assert row.split("`")[-2].split() == schema.names, name
 
 
 def test_the_statements_of_readme_run_in_duckdb(results, monkeypatch):
     duckdb = pytest.importorskip("duckdb")
     monkeypatch.chdir(results)
-    (text,) = re.findall(r"```sql\n(.*?)```", README, re.DOTALL)
+    (text,) = re.findall(r"```sql\n(.*?)```", PAGE, re.DOTALL)
     found = [duckdb.sql(statement).fetchall() for statement in text.split(";") if statement.strip()]
     assert [len(rows) for rows in found] == [8, 3]
 
@@ -37,8 +37,8 @@ def test_the_example_of_readme_runs_in_polars_and_pandas(results, monkeypatch, c
     pytest.importorskip("polars")
     pytest.importorskip("pandas")
     monkeypatch.chdir(results)
-    (text,) = re.findall(r"```py\n(.*?)```", README, re.DOTALL)
-    exec(compile(text, "README.md", "exec"), {})  # noqa: S102 - our own README
+    (text,) = re.findall(r"```py\n(.*?)```", PAGE, re.DOTALL)
+    exec(compile(text, "fleet.md", "exec"), {})  # noqa: S102 - our own page
     assert "SN00" in (said := capsys.readouterr().out)
     assert "15AV" in said
 

@@ -1,4 +1,4 @@
-"""README is executed: its Python blocks, and its plugin on the command line."""
+"""The pages are executed: their Python blocks, and their plugin on the command line."""
 
 import re
 import sys
@@ -9,18 +9,19 @@ import pytest
 from imuwb.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
-BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+PAGES = [ROOT / "docs" / page for page in ("reference/notebook.md", "how-to/plugin.md")]
+BLOCKS = [b for page in PAGES for b in re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL)]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", [b for b in BLOCKS if "jerk" not in b])
 def test_python_blocks_run(block, monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    exec(compile(block, "README.md", "exec"), {"__name__": "readme"})  # noqa: S102 - our own README
+    exec(compile(block, "page", "exec"), {"__name__": "readme"})  # noqa: S102 - our own pages
     assert capsys.readouterr().out
 
 
-def test_the_plugin_runs_and_is_as_short_as_readme_states(monkeypatch, tmp_path, capsys):
+def test_the_plugin_runs_and_is_as_short_as_its_page_states(monkeypatch, tmp_path, capsys):
     plugin = next(b for b in BLOCKS if "jerk" in b)
     assert len([line for line in plugin.splitlines() if line.strip()]) <= 27
     monkeypatch.chdir(tmp_path)
