@@ -5,6 +5,8 @@ from pathlib import Path
 
 import imuwb
 from imuwb.review.answers.panel import Origin, panel
+from imuwb.review.page.canvas import render
+from imuwb.review.page.themes import PAPER
 from making.markdown import console, index
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,10 +63,10 @@ def _make(exhibit: Exhibit, folder: Path) -> None:
     parts.append(console(command, "\n".join(panel(outcome.answer, Origin(exhibit.analysis, (exhibit.log,))))))
     for i, picture in enumerate(own):
         name = f"{exhibit.name}-{i + 1}.svg"
-        (files / name).write_text(picture._repr_svg_(), "utf-8")
+        (files / name).write_text(render(picture.drawing, PAPER, "svg").decode("utf-8"), "utf-8")
         parts.append(f"```{{figure}} files/{name}\n:alt: {picture.title}\n\n{picture.title}\n```")
     parts.append(
-        f"[The page](files/{exhibit.name}.html){{.download}} · [the recording](files/{exhibit.name}.rrd){{.download}} "
+        f"{{download}}`The page <files/{exhibit.name}.html>` · {{download}}`the recording <files/{exhibit.name}.rrd>` "
         "(`imuwb view`)."
     )
     (folder / f"{exhibit.name}.md").write_text("\n\n".join(parts) + "\n", "utf-8")

@@ -8,6 +8,8 @@ from imuwb_plugins.reproduce.comparison import Reproduction, TableComparison
 from imuwb_plugins.reproduce.shown import HEADINGS, cells_of
 from making.markdown import index, table
 
+SHORT = ("Quinchia and others (2013)", "El-Diasty and others", "Hassaballa and others")
+
 
 def make(folder: Path) -> None:
     """Write a page for each paper."""
@@ -18,7 +20,7 @@ def make(folder: Path) -> None:
         folder, "The papers",
         "imuwb implements three papers. Each page has every table of a paper beside ours, and the command for every table, figure and "
         "equation. The numbers are made when these pages are built, with `imuwb reproduce`.",
-        METHODS,
+        [f"{short} <{name}>" for name, short in zip(METHODS, SHORT, strict=True)],
     )  # fmt: skip
 
 

@@ -7,7 +7,8 @@ import numpy as np
 from imuwb.analysis import Curve, Figure
 from imuwb.colors import BLUE, GREEN, RED
 from imuwb.identification import allan, power_spectrum
-from imuwb.review.page.html import svg_of
+from imuwb.review.page.canvas import render
+from imuwb.review.page.themes import PAPER
 from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
 
 RATE, HOURS = 20.0, 2.0
@@ -44,7 +45,7 @@ def make(folder: Path) -> None:
     }  # fmt: skip
     lines: list[str] = []
     for name, figure in figures.items():
-        (folder / f"{name}.svg").write_text(svg_of(figure, f"terms-{name}-"), "utf-8")
+        (folder / f"{name}.svg").write_bytes(render(figure, PAPER, "svg"))
         lines.append(f"```{{figure}} /made/terms/{name}.svg\n:alt: {figure.title}: N, B and K\n\n{figure.title}\n```")
     (folder / "figures.md").write_text("\n\n".join(lines) + "\n", "utf-8")
 

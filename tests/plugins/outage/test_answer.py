@@ -52,7 +52,9 @@ def test_of_several_drives_each_that_a_filter_cannot_run_in_is_named(few):
         "south": replace(few, failed={"odd": "too many states", "kf": "no solution"}),
         "west": replace(few, failed={"odd": "another sensor"}),
     }
-    answer = outage.answer(Drives(few.summary, drives, (), (Note("drive-left-out", "east is left out: no fixes"),), {}, {}))
+    answer = outage.answer(
+        Drives(few.summary, drives, (), (Note("drive-left-out", "east is left out: no fixes"),), {}, {})
+    )
     assert answer.rows[-2:] == (("odd", "cannot run"), ("kf", "cannot run in south"))
     assert "odd cannot run in north and south: too many states." in answer.sentences
     assert "odd cannot run in west: another sensor." in answer.sentences
