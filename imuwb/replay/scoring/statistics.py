@@ -16,7 +16,6 @@ from imuwb.replay.scoring.pooling import logs_of
 from imuwb.replay.scoring.scores import Scores
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile
-from imuwb.texts import counted
 
 DRAWS = 1000  #: number of bootstrap samples
 EXACT = 12  #: blocks; up to this number the sign test tries all combinations of signs
@@ -62,7 +61,7 @@ class Summary:
         """Return median, consistency and number of outages in a line."""
         last = f", NEES/2 {self.consistency[-1].nees_per_dof:.2f}" if self.consistency else ""
         return (
-            f"{self.model} after {self.duration:g} s without GNSS: median {self.median_end}{last}, {counted(self.count, 'outage')}, "
+            f"{self.model} after {self.duration:g} s without GNSS: median {self.median_end}{last}, {self.count} outage{'s' * (self.count != 1)}, "
             f"{self.effective_count} of them do not overlap"
         )
 

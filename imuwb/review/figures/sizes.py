@@ -42,6 +42,9 @@ def _column_widths(table: Table) -> list[float]:
     return [max((text_width(row[i]) for row in rows if i < len(row)), default=0.0) + COLUMN_GAP for i in range(count)]
 
 
+ROUNDING = 1e-6  #: px, of sums of widths: a column is exactly as wide as its widest cell
+
+
 def fitted(table: Table, width: float) -> Table:
     """Return a table of at most that width: its widest cells go on in the rows below.
 
@@ -69,7 +72,7 @@ def _broken(row: tuple[str, ...], widths: list[float]) -> list[tuple[str, ...]]:
 
 def broken_text(text: str, width: float) -> list[str]:
     """Return a text as lines of at most a width, broken between words; a word that is too long is broken too."""
-    if text_width(text) <= width:
+    if text_width(text) <= width + ROUNDING:
         return [text]
     letters = max(int(len(text) * width / text_width(text)), 1)
     lines = textwrap.wrap(text, letters)

@@ -10,17 +10,18 @@ MOST_STEPS = 8.0  #: of a power of ten, between which a small chart has room for
 AIR = 0.03  #: share of the range that is added at both ends
 
 
-def value_range(values: Floats) -> tuple[float, float] | None:
+def value_range(values: Floats, most_steps: float = MOST_STEPS) -> tuple[float, float] | None:
     """Return the range that a chart must show so that two values of its axis have labels; None: it need not be stated.
 
     Args:
         values: any shape; those that are not finite are left out.
+        most_steps: number of steps between the ends at which the viewer still labels each.
     """
     known = values[np.isfinite(values)]
     if not known.size or (span := float(np.ptp(known))) <= 0:
         return None
     low, high = float(known.min()), float(known.max())
-    step = 10.0 ** math.ceil(math.log10(span / MOST_STEPS))
+    step = 10.0 ** math.ceil(math.log10(span / most_steps))
     first, last = math.ceil(low / step), math.floor(high / step)
     if last > first:
         return None

@@ -18,6 +18,7 @@ from imuwb.review.scene.timelines import Timelines
 from imuwb.texts import printable
 
 WIDTH = 1.2  #: width of a line
+LOW_STEPS = 7  #: steps that have labels in the low charts beside a scene
 WHOLE = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
 
 
@@ -50,7 +51,11 @@ def charts(
         _log(group, recording, timelines, own, beside=beside)
         for number, one in enumerate(group):
             shown = [number == k for k in range(len(group))] if len(group) > 1 else []
-            yield _view(one, own, shown, beside=beside), Chart(own, one.time, one.values, one.series.spans)
+            limits = _limits(one, timelines, beside=beside, growing=first == 0)
+            yield (
+                _view(one, own, shown, limits, beside=beside),
+                Chart(own, one.time, one.values, one.series.spans, limits),
+            )
 
 
 def _groups(drawn: Sequence[_Drawn], *, plain: bool) -> Iterator[tuple[int, list[_Drawn]]]:
@@ -91,10 +96,24 @@ def _log(
     )
 
 
-def _view(one: _Drawn, path: str, shown: Sequence[bool], *, beside: bool) -> rrb.View:
+def _limits(one: _Drawn, timelines: Timelines, *, beside: bool, growing: bool) -> tuple[float, float] | None:
+    """Return the limits of a chart's values, with which the viewer labels two ticks; None: the viewer chooses them.
+
+    Beside a scene a person looks at one window at a time: the limits are those of the values in all of them. An error that grows is
+    small in one and large in another, so the viewer chooses its limits for each.
+    """
+    if not beside:
+        return value_range(one.values)
+    inside = np.zeros(one.time.size, dtype=bool)
+    for window in timelines.windows:
+        inside |= window.holds(one.time)
+    return None if growing else value_range(one.values[inside], LOW_STEPS)
+
+
+def _view(
+    one: _Drawn, path: str, shown: Sequence[bool], stated: tuple[float, float] | None, *, beside: bool
+) -> rrb.View:  # fmt: skip
     """Return the view of a chart; ``shown`` tells which lines of its entity it shows, if not all."""
-    # Beside a scene each timeline shows its own part of the values, so the viewer chooses the range.
-    stated = None if beside else value_range(one.values)
     legend = rrb.PlotLegend(corner="LeftTop" if beside else "RightTop", visible=len(one.series.names) > 1)
     return rrb.TimeSeriesView(
         origin=path, name=printable(f"{one.series.title} [{one.series.unit}]"), axis_x=rrb.TimeAxis(view_range=WHOLE),

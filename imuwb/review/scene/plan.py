@@ -16,8 +16,12 @@ from imuwb.review.scene.timelines import Timelines
 from imuwb.scene import Scene
 
 WIDTH, HEIGHT = 330.0, 230.0  #: px of the view on an ordinary screen
-LEGEND, AIR = 130.0, 26.0  #: px, of the legend at the right, and round the track
-STEP, DROP, LETTER = 19.0, 11.0, 6.6  #: px between two lines of the legend, from a point to its label, of a letter
+LEGEND, AIR = 160.0, 24.0  #: px, of the legend at the right, and round the track
+STEP, DROP, LETTER = (
+    21.0,
+    11.0,
+    8.4,
+)  #: px between two lines of the legend, from a point to its label, of a letter on a small screen
 SWATCH = 12.0  #: px, of a line of the legend
 MOST_POINTS = 600
 

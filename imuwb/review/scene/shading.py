@@ -37,9 +37,12 @@ class Chart:
     time: Integers  #: (n,) ns
     values: Floats  #: (n, k)
     spans: tuple[Span, ...] = ()  #: of this chart alone
+    limits: tuple[float, float] | None = None  #: of the values that are visible; None: the viewer chooses them
 
     def range(self, begin: int, end: int) -> tuple[float, float] | None:
-        """Return the least and the largest value between two times, or of all if there is none; None: no value at all."""
+        """Return the visible limits, or the least and the largest value between two times, or of all if there is none; None: no value."""
+        if self.limits is not None:
+            return self.limits
         inside = self.values[(self.time >= begin) & (self.time <= end)]
         for values in (inside, self.values):
             known = values[np.isfinite(values)]

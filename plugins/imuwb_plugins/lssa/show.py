@@ -6,7 +6,7 @@ from imuwb.analysis import Curve, Figure, Mark, Review, Table
 from imuwb.colors import AXIS_COLORS, GREY, ORANGE
 from imuwb.identification.lssa import ChiSquare
 from imuwb.noise_results import SENSORS, by_sensor
-from imuwb.texts import converted_text
+from imuwb.texts import converted_text, decimals
 from imuwb.units import UNITS, coefficient_units
 from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
 
@@ -144,7 +144,7 @@ def _constituents(result: Result) -> Table:
         unit = coefficient_units(axis, "rate")[1]
         for name, estimate in spectrum.constituents.items():
             value, half = unit.from_si(estimate.value), unit.from_si(estimate.upper - estimate.value)
-            rows.append((axis, name, f"{value:.6g} ± {half:.1g} {unit.name}"))
+            rows.append((axis, name, f"{value:.{decimals(half)}f} ± {half:.{decimals(half)}f} {unit.name}"))
     return Table(
         "Constituents, estimated together with the lines", ("axis", "constituent", "size"), tuple(rows),
         f"Intervals at {100 * result.confidence:g} % assume the noise of --noise; with local noise, the noise at the lowest frequencies.",
