@@ -40,8 +40,17 @@ def _run(signals: Signals) -> None:
     except Exception as error:
         if os.environ.get("IMUWB_TRACEBACK") and not isinstance(error, ImuwbError):
             raise
+        if _is_fault(error):
+            from imuwb.cli.last_fault import remember  # noqa: PLC0415 - only for a fault
+
+            remember(error, sys.argv[1:])
         _print(f"imuwb: {_message_of(error)}")
         sys.exit(error.exit_code if isinstance(error, ImuwbError) else 1)
+
+
+def _is_fault(error: Exception) -> bool:
+    """Return whether an error is a fault of imuwb, and not one of what it was given."""
+    return not isinstance(error, ImuwbError | OSError | MemoryError)
 
 
 def _message_of(error: Exception) -> str:
@@ -62,7 +71,7 @@ def _text_of(error: Exception) -> str:
         return "this does not fit in memory; analyse a part of the log with --start and --end, or allow more memory (ulimit -v)"
     return (
         f"internal error: {type(error).__name__}: {error}\n"
-        "This is a fault of imuwb. Run the command again with IMUWB_TRACEBACK=1, and report the output."
+        "This is a fault of imuwb. imuwb bug-report collects what a report needs; IMUWB_TRACEBACK=1 shows where it happens."
     )
 
 

@@ -32,6 +32,7 @@ COMMANDS = {
     "explain": (RESULTS, "Say in a paragraph what a term, a verdict or a fault means."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
     "fleet": (LOGS, "Analyse a fleet of logs, on this machine or a cluster: tables of what each sensor has."),
+    "bug-report": (RESULTS, "Collect what a report of a fault needs, without any sample of a log."),
     "warm": (RESULTS, "Compile everything once, so that no later run has to."),
     "demo": (RESULTS, "Run the two main jobs on the sample logs: identify noise, replay GNSS outages."),
 }
@@ -78,7 +79,8 @@ def _add_analyses(app: typer.Typer, name: str) -> None:
 
 def _add_core(app: typer.Typer, name: str, arguments: list[str]) -> None:
     """Add a command of the core; a module of commands that depend on the installed analyses has ``build``."""
-    module = import_module(f"imuwb.cli.{name}")
+    own = name.replace("-", "_")
+    module = import_module(f"imuwb.cli.{own}")
     panel, _ = COMMANDS[name]
     if hasattr(module, "build"):
         app.add_typer(module.build(arguments), name=name, cls=HelpfulGroup, rich_help_panel=panel)
@@ -88,7 +90,7 @@ def _add_core(app: typer.Typer, name: str, arguments: list[str]) -> None:
             command.callback = with_settings(command.callback)
         app.add_typer(module.app, name=name, cls=HelpfulGroup, rich_help_panel=panel)
     else:
-        function = getattr(module, name)
+        function = getattr(module, own)
         help_text = paragraphs(function.__doc__)
         app.command(name, cls=OnceCommand, help=help_text, rich_help_panel=panel)(
             with_settings(expanded(function, PANELS))
