@@ -31,9 +31,9 @@ def bug_report(
     ),
     force: Force = False,
 ) -> None:
-    """Collect what a report of a fault needs: versions, the last fault, and the summary of a log. No samples, no folders.
+    """Collect what a report of a fault needs, without any sample of a log.
 
-    Look at the file before you send it: it is plain text.
+    The file is plain text: versions, the last fault, the summary of the log, without folders and names of users.
 
     Example: imuwb bug-report flight.bin
     """

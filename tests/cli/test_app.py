@@ -17,9 +17,10 @@ from imuwb.options import POSITIVE, Form
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_line_in_the_list_is_the_first_of_the_commands_own_help(name):
-    module = import_module(f"imuwb.cli.{name}")
+    own = name.replace("-", "_")
+    module = import_module(f"imuwb.cli.{own}")
     made = module.build([]) if hasattr(module, "build") else getattr(module, "app", None)
-    text = getattr(module, name).__doc__ if made is None else made.info.help
+    text = getattr(module, own).__doc__ if made is None else made.info.help
     assert text.splitlines()[0] == COMMANDS[name][1]
 
 
