@@ -135,3 +135,14 @@ def test_curves_that_cannot_be_written_are_named(points, instance, error, named)
     model = ImuErrorModel("m", {"gyro_x": AxisModel(thermal_bias=points)})
     with pytest.raises(error, match=named):
         thermal_text(model, "px4-tc", instance)
+
+
+def test_a_calibration_by_temperature_has_a_table_in_its_comments():
+    curve = ((10.0, 0.1), (20.0, 0.3))
+    warm = ImuErrorModel(
+        "m", {"accel_x": AxisModel(thermal_bias=curve, thermal_scale_factor=((10.0, 0.0), (20.0, 0.02)))}
+    )
+    text, notes = calibration_text(warm, "ardupilot-ins", celsius=15.0)
+    assert "# at 20 °C: accel bias 0.3 m/s²; accel scale factor 0.02" in text
+    assert "INS_ACCOFFS_X 0.2" in text
+    assert any("at 15 °C" in note for note in notes)

@@ -7,7 +7,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.estimators.explain import explain
 from imuwb.estimators.export import Options, export, model_rate, with_motion
 from imuwb.estimators.model_json import as_json
-from imuwb.estimators.sensor import Factors
+from imuwb.estimators.sensor import Factors, with_limits
 from imuwb.estimators.temperature import constant
 from imuwb.estimators.tool import tools
 from imuwb.simulation import preset
@@ -18,6 +18,7 @@ from imuwb.stochastic import (
     GaussMarkov,
     ImuErrorModel,
     RandomWalk,
+    RateRamp,
     Sinusoid,
     Sum,
     WhiteNoise,
@@ -211,3 +212,24 @@ def test_an_explanation_names_each_value_and_measures_the_shortcuts(made):
     assert shortcuts["everything", "gyro"] == pytest.approx(10)
     assert shortcuts["the", "gyro"] < 0.2  # the numbers of kalibr as they are
     assert 1 < shortcuts["a", "gyro"] < math.sqrt(2)
+
+
+def test_what_is_left_out_moves_the_position_by_its_closed_form_on_the_worst_axis(made):
+    terms = (GYRO[0], lambda s: Constant(1e-4 * s), lambda s: RateRamp(1e-7 * s))
+    notes = export(made(terms, ACCEL), "kalibr").notes
+    g, t = 9.80665, 60.0
+    constant, ramp = 1.2 * 1e-4 * g * t**3 / 6, 1.2 * 1e-7 * g * t**4 / 24
+    assert any("turn-on" in note and f"by {constant:.2g} m in 60 s" in note for note in notes)
+    assert any("rate ramp" in note and f"by {ramp:.2g} m in 60 s" in note for note in notes)
+
+
+def test_a_limit_is_not_added_to_a_slow_error_that_is_known():
+    axis = AxisModel(Sum((WhiteNoise(1e-3), FlickerNoise(1e-5))), limits={"K": 1e-2})
+    model, notes = with_limits(ImuErrorModel("m", {"gyro_x": axis}))
+    assert (model.axes["gyro_x"].processes, notes) == (axis.processes, ())
+
+
+def test_intervals_are_those_of_another_temperature_and_are_left_out():
+    points = tuple((t, Sum((WhiteNoise(1e-3 + 1e-5 * t),))) for t in (0.0, 40.0))
+    axis = AxisModel(Sum((WhiteNoise(1e-3),)), {"0.N": (0.9e-3, 1.1e-3)}, thermal=points)
+    assert constant(ImuErrorModel("m", {"gyro_x": axis}), 20.0)[0].axes["gyro_x"].intervals == {}

@@ -87,7 +87,11 @@ def test_what_a_file_does_not_state_stays_unknown_and_is_said():
         ("hello: 3\n", None, "--from"),
         ("hello: 3\n", "kalibr", "no value of kalibr"),
         ("acc_n: 0.1\ngyr_n: 0.2\n", None, "--rate"),
-        ("gyroscope_noise_density: -1\naccelerometer_noise_density: 1\n", None, "0 or more"),
+        (
+            "gyroscope_noise_density: -1\naccelerometer_noise_density: 1\n",
+            None,
+            "noise_density is -1.0; it must be 0 or more",
+        ),
         (
             "gyroscope_noise_density: 1\naccelerometer_noise_density: 1\ngyroscope_noise_density: 2\n",
             None,
@@ -207,3 +211,22 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
     (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(UsageError, match="save it as UTF-8"):
         read_estimator_file(tmp_path / "bytes.yaml")
+
+
+def test_matlab_states_properties_as_pairs_or_by_assignment_and_double_sided_noise_is_converted():
+    text = (
+        "p = gyroparams('NoiseDensity', [1e-4 2e-4 3e-4], 'RandomWalk', 1e-6, ...  % comment\n"
+        "   'BiasInstability', 2e-5, 'NoiseType', 'single-sided');\n"
+        "imu = imuSensor('accel-gyro', 'SampleRate', 125, 'Gyroscope', p);\n"
+        "imu.Accelerometer = accelparams(NoiseDensity=0.002);\nimu.Accelerometer.RandomWalk = [1e-4 1e-4 1e-4];\n"
+    )
+    reading = read_estimator_text(text, "imu.m")
+    y, accel = (reading.model.axes[axis].processes.terms for axis in ("gyro_y", "accel_z"))
+    assert y == (WhiteNoise(2e-4), FlickerNoise(2e-5), RandomWalk(1e-6))
+    root = math.sqrt(2)  # the default is double-sided: noise of a sample N √(f/2), step of the walk K/√(f/2)
+    assert accel == (WhiteNoise(pytest.approx(0.002 / root)), RandomWalk(pytest.approx(1e-4 * root)))
+    assert (reading.form, reading.model.provenance["rate"]) == ("matlab", "125 Hz")
+    assert any("accel: NoiseType is double-sided" in note for note in reading.notes)
+    assert not any("gyro: NoiseType" in note for note in reading.notes)
+    unread = read_estimator_text("g = gyroparams('NoiseDensity', deg2rad(0.01), 'RandomWalk', 1e-6);", "imu.m")
+    assert any("no number that can be read" in note for note in unread.notes)

@@ -55,3 +55,12 @@ def test_processes_of_the_ar_filters_are_replaced_order_by_order():
 def test_what_cannot_be_taken_is_named(taken, named):
     with pytest.raises(UsageError, match=named):
         merge((A, B), taken)
+
+
+def test_a_triad_that_one_model_alone_has_is_kept():
+    noise = ImuErrorModel("n", {a: AxisModel(Sum((WhiteNoise(1.0),))) for a in ("gyro_x", "accel_x")})
+    gyro, accel = (ImuErrorModel(a, {f"{a}_x": AxisModel(bias=b)}) for a, b in (("gyro", 0.5), ("accel", 2.0)))
+    both = merge((gyro, accel), {"calibration": 0}).axes
+    assert (both["gyro_x"].bias, both["accel_x"].bias) == (0.5, 2.0)
+    axes = merge((noise, gyro, accel), {"calibration": 1}).axes
+    assert [(a.bias, a.processes.terms) for a in axes.values()] == [(b, (WhiteNoise(1.0),)) for b in (0.5, 2.0)]
