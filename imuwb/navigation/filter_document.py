@@ -60,7 +60,7 @@ def read_filter(path: str | Path) -> FilterModel:
     if document:
         raise UsageError(f"{path}: unknown {', '.join(document)}; remove it")
     error_model = ImuErrorModel.of_document(table(model, f"{path}, error_model"), f"{path}, error_model")
-    return FilterModel(name, error_model, reading, (scale[0], scale[1]), levels, sigma, **parts)
+    return FilterModel(name, error_model, cast("Reading", reading), (scale[0], scale[1]), levels, sigma, **parts)
 
 
 def _levels(content: object, where: str) -> tuple[int, ...]:

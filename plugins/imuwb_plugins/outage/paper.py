@@ -40,7 +40,7 @@ def tables(outages: Sequence[OutageResult], gains: dict[str, PublishedGain]) -> 
     groups = list(dict.fromkeys(own.table for own in outages))
     improved = f"Improvement: mean over the outages of 1 - {TESTED}/filter, as in the paper."
     for group in groups:
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (*outage_cells(o, 2), *(_pair(o, name) for name in names)) for o in outages if o.table == group
         ]  # fmt: skip
         caption = ""
