@@ -19,7 +19,8 @@ _Model = Annotated[Path, typer.Argument(help="The error model, or the name of a 
 _Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, inertial-explorer, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
 _Calibration = "kalibr-imu, openvins-imu, imu-tk, imu-calib, px4-cal, ardupilot-ins"
 _Thermal = "ardupilot-tcal, px4-tc"
-_tools = completer(Form("TOOL", words=(*f"{_Tool}, {_Calibration}, {_Thermal}".split(", "), "json")))
+_FORMS = tuple(f"{_Tool}, {_Calibration}, {_Thermal}, json".split(", "))
+_tools = completer(Form("TOOL", words=_FORMS))
 _Rate = Annotated[
     float | None,
     typer.Option(help="Rate of the samples (Hz), for tools whose values depend on it. Default: that of the model."),
@@ -66,6 +67,11 @@ def export(
     from imuwb.estimators import export as exported  # noqa: PLC0415
     from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
 
+    if to not in _FORMS:
+        raise UsageError(
+            f"--to {to}: there is no such form; it must be one of {_Tool}, json; for a calibration {_Calibration}; for biases by "
+            f"temperature {_Thermal}"
+        )
     files = _files(output, to)
     for file in files.values():
         check_place(file, force=force)

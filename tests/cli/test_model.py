@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 
+from imuwb.estimators import tools
 from imuwb.navigation import FilterModel, Vibration, filter_text
 from imuwb.simulation import preset, preset_names
 from imuwb.stochastic import ImuErrorModel, WhiteNoise
@@ -172,6 +173,11 @@ def test_imu_tk_gets_a_file_for_each_triad(imuwb, tmp_path):
     assert len((tmp_path / "cube.gyro.calib").read_text("utf-8").split()) == 21
     assert not (tmp_path / "cube.calib").exists()
     assert imuwb("model", "export", "cube.toml", "--to", "imu-tk", "-o", "cube.calib").code == 2
+
+
+def test_an_unknown_form_is_answered_with_all(imuwb, gm):
+    done = imuwb("model", "export", gm, "--to", "nobody")
+    assert (done.code, all(name in done.err for name in (*tools(), "imu-tk", "px4-tc", "json"))) == (2, True)
 
 
 def test_an_explanation_and_noise_in_motion(imuwb, gm):
