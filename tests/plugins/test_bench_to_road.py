@@ -20,7 +20,7 @@ def test_the_model_of_a_real_bench_record_replays_a_drive(command, shared):
     assert not lines["gyro_x"]  # only the accelerometers feel the swaying bench in both halves of the record
     assert len(lines["accel_x"]) >= 2
     car = shared / "drive"
-    log = (car / "derived_imu_si_gpst.csv.gz", "--gnss", car / "gnss_1934_sf.pos", "--random", "60")
+    log = (car / "derived_imu_si_gpst.csv.gz", "--gnss", car / "gnss_1934_sf.pos", "--random", "60", "--end", "800")
     code, _, err = command(
         "outage",
         *log,
