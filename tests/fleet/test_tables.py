@@ -142,16 +142,3 @@ def test_a_table_of_another_version_is_refused(results):
     store.write("sensors.parquet", b"PAR1")
     with pytest.raises(UsageError, match=r"results/sensors\.parquet"):
         read_table(store, "sensors", "results")
-
-
-@pytest.mark.parametrize("library", ["pandas", "polars", "duckdb"])
-def test_other_programs_read_the_tables(results, tmp_path, library):
-    module = pytest.importorskip(library, reason=f"{library} is not installed")
-    store, entries = results
-    tables_of(entries, store).write(store)
-    path = str(tmp_path / "sensors.parquet")
-    if library == "duckdb":
-        values = [row[0] for row in module.sql(f"select value from '{path}' where axis = 'gyro_x'").fetchall()]
-    else:
-        values = list(module.read_parquet(path)["value"])
-    assert values == [2.0, 2.0]
