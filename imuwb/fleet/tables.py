@@ -9,6 +9,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from imuwb.errors import ImuwbError
 from imuwb.fleet.parts import Part
 from imuwb.fleet.plan import Task
 from imuwb.fleet.schemas import DONE, ORDER, QUARANTINED, TABLES, check_schema, file_of
@@ -91,7 +92,12 @@ def read_table(store: Store, table: str, place: str) -> pa.Table | None:
 def _reading(store: Store) -> Callable[[Entry], Part | None]:
     def part_of(entry: Entry) -> Part | None:
         content = store.read(entry.part) if entry.part else None
-        return None if content is None else Part.unpacked(content)
+        try:
+            return None if content is None else Part.unpacked(content)
+        except ValueError:
+            raise ImuwbError(
+                f"{entry.part}: this part of the results is damaged; remove it, and run the command again"
+            ) from None
 
     return part_of
 

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from imuwb.analysis import SUSPICIOUS, Answer, Drift, Finding
-from imuwb.errors import UsageError
+from imuwb.errors import ImuwbError, UsageError
 from imuwb.fleet import schemas
 from imuwb.fleet.found import log_row, outage_rows, sensor_rows
 from imuwb.fleet.identity import Identity
@@ -142,3 +142,10 @@ def test_a_table_of_another_version_is_refused(results):
     store.write("sensors.parquet", b"PAR1")
     with pytest.raises(UsageError, match=r"results/sensors\.parquet"):
         read_table(store, "sensors", "results")
+
+
+def test_a_damaged_part_is_named(results):
+    store, entries = results
+    store.write(entries[0].part, b"PAR1")
+    with pytest.raises(ImuwbError, match=r"parts/run/.*\.parquet"):
+        tables_of(entries, store)

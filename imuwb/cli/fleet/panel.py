@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from io import BytesIO
+from pathlib import PurePosixPath
 from typing import Any
 
 import pyarrow.parquet as pq
@@ -42,10 +43,8 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
     logs = _columns(store, "logs", ("vehicle", "serial"))
     faults = _columns(store, "quarantine", ("kind", "message", "path"))
     kinds = Counter(row["kind"] for row in faults)
-    rows = tuple(
-        (kind, str(count), next(row["message"] for row in faults if row["kind"] == kind))
-        for kind, count in kinds.most_common(MOST)
-    )
+    examples = {row["kind"]: row for row in reversed(faults)}
+    rows = tuple((kind, str(count), _named(examples[kind])) for kind, count in kinds.most_common(MOST))
     sensors = {(row["vehicle"], row["serial"]) for row in logs if row["serial"] is not None}
     named = sum(row["serial"] is not None for row in logs)
     sentences = [
@@ -62,6 +61,10 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences),
         (Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift"),),
     )  # fmt: skip
+
+
+def _named(fault: dict[str, Any]) -> str:
+    return f"{PurePosixPath(fault['path']).name}: {fault['message']}"
 
 
 def _columns(store: Store, table: str, columns: Sequence[str]) -> list[dict[str, Any]]:
