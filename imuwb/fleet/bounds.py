@@ -18,6 +18,7 @@ from pathlib import Path
 from imuwb.fleet.executor import Bounds
 
 MEMORY_EXIT = 77  #: exit code of a process that took too much memory
+AGAIN = 1.0  #: s between two alarms, until one is heeded
 PERIOD = 0.25  #: s between two looks of ``watch``
 tripped: list[str] = []  #: bounds that were reached: the process may have threads that go on, so it should end
 
@@ -53,7 +54,8 @@ def _timed(seconds: float) -> Generator[None]:
         raise OutOfTimeError
 
     before = signal.signal(signal.SIGALRM, end)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    # Again and again: code that drops all exceptions, such as a finalizer, may be running at the first alarm.
+    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
     try:
         yield
     finally:
