@@ -14,10 +14,12 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
+from types import FrameType
 
 from imuwb.fleet.executor import Bounds
 
 MEMORY_EXIT = 77  #: exit code of a process that took too much memory
+IMPORTS = "<frozen importlib"  #: begin of the file name of Python's own code of imports
 AGAIN = 1.0  #: s between two alarms, until one is heeded
 PERIOD = 0.25  #: s between two looks of ``watch``
 tripped: list[str] = []  #: bounds that were reached: the process may have threads that go on, so it should end
@@ -48,13 +50,19 @@ def _timed(seconds: float) -> Generator[None]:
         yield
         return
 
-    def end(number: int, frame: object) -> None:
-        del number, frame
+    def end(number: int, frame: FrameType | None) -> None:
+        del number
+        while (
+            frame is not None
+        ):  # an import that is torn leaves its lock, and the next import of another thread waits for ever
+            if frame.f_code.co_filename.startswith(IMPORTS):
+                return
+            frame = frame.f_back
         tripped.append("time")
         raise OutOfTimeError
 
     before = signal.signal(signal.SIGALRM, end)
-    # Again and again: code that drops all exceptions, such as a finalizer, may be running at the first alarm.
+    # Again and again: an import, or code that drops all exceptions, such as a finalizer, may be running at the first alarm.
     signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
     try:
         yield

@@ -54,7 +54,7 @@ def findings(result):
     return tuple(Finding(f"gyro_{a}", "mean", {"N": Coefficient(v, v / 2, 2 * v)}) for a, v in result.items())
 '''
 GROUP = r"logs/(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]*$"
-BOUNDS = ("--task-time", "3", "--task-memory", "0.3")
+BOUNDS = ("--task-time", "4", "--task-memory", "0.3")
 TABLES = ("sensors", "outages", "logs", "quarantine")
 KINDS = ["fault", "memory", "time", "unreadable"]
 

@@ -34,6 +34,15 @@ def test_a_loop_in_this_process_keeps_the_bounds():
     assert became(InProcess(), CALLS) == [2.0, "time", "memory", "fault", 3.0]
 
 
+def test_an_import_is_not_torn(tmp_path, monkeypatch):
+    (tmp_path / "slow_to_import.py").write_text("import time; time.sleep(1.5)")
+    monkeypatch.syspath_prepend(tmp_path)
+    found = became(
+        InProcess(), [(builtins.eval, "__import__('slow_to_import').__name__"), (time.sleep, 60.0)], Bounds(0.2, 3e8)
+    )
+    assert found == ["slow_to_import", "time"]
+
+
 def test_a_pool_loses_only_the_call_whose_process_ends():
     began = time.monotonic()
     assert became(LocalPool(2), [*CALLS, *DEADLY]) == [2.0, "time", "memory", "fault", 3.0, "lost", "crash", 4.0]

@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
 
+from imuwb import registry
 from imuwb.analysis import Analysis
 from imuwb.axes import check_scaled
 from imuwb.cli.analyses import analysis_named, errors_named
@@ -73,11 +74,13 @@ class _Stage:
 
 
 def prepare(job: Job) -> None:
-    """Import the analysis, and the compiled code that all logs need."""
+    """Import the analysis, the readers, and the compiled code that all logs need."""
     plugin = loaded(job.settings.source, job.settings.method)
     for part in ("run", "findings", "answer", "drifts"):
         getattr(plugin, part, None)
     import_module("imuwb.sampling")
+    for point in registry.installed(registry.READERS).values():
+        registry.load(point)
 
 
 def work(job: Job) -> Reply:
