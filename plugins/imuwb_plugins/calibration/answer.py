@@ -10,6 +10,7 @@ from imuwb_plugins.calibration.parameter_table import DISPLAY, display
 from imuwb_plugins.calibration.result import PositionResult, TableResult
 
 COUPLINGS = "cross_coupling_"
+SAID = ("misplaced",)  #: ids of notes that a sentence says already
 DOUBTED = 1e-3  #: probability of residuals as large by noise alone; below it, something else is in them
 USE = Step("imuwb noise LOG --through correction:model={model}", "a log of this sensor without these errors")
 
@@ -66,5 +67,5 @@ def _sentences(result: PositionResult | TableResult) -> Iterator[str]:
             yield f"Accept it: noise alone explains the residuals (up to {size})."
         if result.misplacement is not None:
             yield f"The faces stood {number_text(math.degrees(result.misplacement))} deg off square, which the couplings' intervals contain."
-        yield f"Gravity: {result.gravity:.5f} m/s² ({result.gravity_from})."
-    yield from (f"{note[:1].upper()}{note[1:]}." for note in result.notes[:2])
+    more = [note for note in result.notes if getattr(note, "id", "") not in SAID]
+    yield from (f"{note[:1].upper()}{note[1:]}." for note in more[:2])
