@@ -9,7 +9,7 @@ import pytest
 
 from imuwb.replay import NAMES
 from imuwb.selection import select
-from imuwb.simulation import Receiver, drive, planned_route
+from imuwb.simulation import Receiver, drive, planned_route, preset_names
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 from imuwb_plugins.outage.parameters import MODELS, PAPER
@@ -17,7 +17,8 @@ from imuwb_plugins.outage.parameters import MODELS, PAPER
 from .made import sensor, stated
 
 ROOT = Path(__file__).resolve().parents[3]
-README = (ROOT / "README.md").read_text("utf-8")
+PAGES = ("README.md", "docs/how-to/tour.md")
+README = "".join((ROOT / page).read_text("utf-8") for page in PAGES)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +142,8 @@ def test_readmes_examples_are_options_there_are(example, tmp_path, monkeypatch):
         elif word.startswith("--"):
             assert word in ("--gnss", "--save-model")
             words.pop(0)
-    assert Parameters(**options).error_model.suffix == ".toml"
+    model = Parameters(**options).error_model
+    assert model.suffix == ".toml" or str(model) in preset_names()
 
 
 def test_readmes_example_is_one_of_several():
