@@ -73,6 +73,8 @@ def test_no_command_passes_on_what_a_log_writes(imuwb, tmp_path):
         "psd": ("psd", log, "--imu", "/imu", "-o", "p.rrd"),  # no such name: all names are listed
         "convert to MCAP": ("convert", log, "-o", "c.mcap"),
         "convert to CSV": ("convert", log, "-o", "c.csv"),
+        "report": ("report", "h.rrd", "-o", "r.html"),
+        "catalog": ("catalog", "."),
         "view": ("view", log),
         "no analysis": (f"x{ESCAPES}",),
     }
@@ -87,9 +89,10 @@ def test_no_command_passes_on_what_a_log_writes(imuwb, tmp_path):
         check(file.name, "name of a file")
         if file.suffix in (".json", ".html", ".toml", ".csv"):
             check(file.read_text("utf-8"), file.name)
-    page = (tmp_path / "h.html").read_text("utf-8")
-    assert "<img src=http" not in page
-    assert "<script>fetch" not in page
+    for page in ("h.html", "r.html", "index.html"):
+        text = (tmp_path / page).read_text("utf-8")
+        assert "<img src=http" not in text, page
+        assert "<script>fetch" not in text, page
     shown = documents(tmp_path / "h.rrd")
     assert any("HEAD" in text for text in shown.values())
     for place, text in shown.items():
