@@ -109,8 +109,7 @@ def _inverse_transform() -> Floats:
     """Return the Chebyshev series of one over the kernel's transform, of 8 (FINER k / length)² - 1; k is at most a quarter of the length."""
     z, weight = legendre.leggauss(NODES)
 
-    def inverse(x: Floats) -> Floats:
-        cycles = np.sqrt((x + 1) / 8) / FINER  # for each point of the grid
-        return 1 / (WIDTH / 2 * np.cos(np.pi * WIDTH * np.multiply.outer(cycles, z)) @ (weight * _kernel(z)))
-
-    return chebyshev.chebinterpolate(inverse, TERMS - 1)
+    x = chebyshev.chebpts1(TERMS)
+    cycles = np.sqrt((x + 1) / 8) / FINER  # for each point of the grid
+    transform = WIDTH / 2 * np.cos(np.pi * WIDTH * np.multiply.outer(cycles, z)) @ (weight * _kernel(z))
+    return np.asarray(chebyshev.chebfit(x, 1 / transform, TERMS - 1), np.float64)
