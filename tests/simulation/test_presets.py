@@ -59,6 +59,26 @@ def test_eldiasty(tables, name, key):
             assert from_si(model.axes[axis].at(celsius).terms[0].N, unit) == pytest.approx(figure)
 
 
+@pytest.mark.parametrize(("name", "key"), [("motionpakii-ar1", "MotionPakII"), ("ahrs300cc-ar1", "AHRS300CC")])
+def test_eldiasty_coloured(tables, name, key):
+    """Table 2 is the correlation of neighbours, and table 1 the density at low frequencies."""
+    paper = tables["eldiasty"]
+    model = preset(name)
+    for axis in ORDER:
+        column, unit, sensor = ("ARW", "deg/√h", "gyro") if axis.startswith("gyro") else ("VRW", "m/s/√h", "acc")
+        rows = zip(
+            paper["tabulated_c"],
+            paper["table1_allan"][f"{key}_{column}"],
+            paper["ar1"][f"{key}_{sensor}"]["none"],
+            strict=True,
+        )
+        for celsius, white, c in rows:
+            process = model.axes[axis].at(celsius).terms[0]
+            assert process.alpha == (-c,)
+            density = process.power_spectral_density(np.array([1e-6]), process.dt)[0]
+            assert from_si(density**0.5, unit) == pytest.approx(white, rel=1e-5)
+
+
 def test_hassaballa(tables):
     sheet = tables["hassaballa"]["table1_datasheet"]
     model, measured = preset("mpu-6050"), preset("mpu-6050-measured")
