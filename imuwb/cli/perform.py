@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import typer
@@ -46,6 +47,7 @@ VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
 def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: object, request: Request) -> None:
     """Read the logs, condition them, run the analysis, and write its results."""
+    paths = with_folders(analysis, paths)
     check_count(name, analysis, paths)
     compared = compares(analysis, request)
     analysis = comparison(name, analysis, paths, request) if compared else analysis
@@ -238,6 +240,19 @@ def _objections(analysis: Analysis, result: object, places: Places, request: Req
     if places.model is None or request.outputs.force_model or not offers(analysis, "objections"):
         return ()
     return cast("Any", analysis).objections(result)
+
+
+def with_folders(analysis: Analysis, paths: Sequence[Place]) -> list[Place]:
+    """Return the logs; of an analysis that takes any number of them, a folder stands for the logs in it.
+
+    Raises:
+        UnreadableLogError: a folder without a log.
+    """
+    if cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))[1] is not None:
+        return list(paths)
+    from imuwb.fleet.listing import logs_in  # noqa: PLC0415 - most analyses take one log
+
+    return [log for path in paths for log in (logs_in(path) if isinstance(path, Path) and path.is_dir() else (path,))]
 
 
 def check_count(name: str, analysis: Analysis, paths: Sequence[Place]) -> None:

@@ -5,13 +5,15 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from imuwb.errors import UsageError
+from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.fleet.store import attempted, listed, parted
 from imuwb.readers.bytes.address import STORES, WEB, Address, is_address, place_of
+from imuwb.readers.reading import reader_of
 
 SPECIAL = re.compile(r"[*?[]")
 #: suffixes of what imuwb itself writes beside logs
@@ -50,6 +52,30 @@ def found(patterns: Iterable[str], apart: str = "") -> tuple[Listed, ...]:
             )
         logs |= {log.place: log for log in own}
     return tuple(logs[place] for place in sorted(logs))
+
+
+def logs_in(folder: Path) -> tuple[Path, ...]:
+    """Return the logs in a folder, by their names; a folder that is one log of several files is itself the only one.
+
+    Raises:
+        UnreadableLogError: the folder has no log.
+    """
+    with suppress(UnreadableLogError):
+        several = getattr(reader_of(folder), "has_several_logs", None)
+        if several is None or not several(folder):
+            return (folder,)
+    files = [file for file in sorted(folder.iterdir()) if file.is_file() and _is_log(file.name) and _can_be_read(file)]
+    if not files:
+        raise UnreadableLogError(f"{folder}: there is no log in this folder; name the logs, or another folder")
+    return tuple(files)
+
+
+def _can_be_read(file: Path) -> bool:
+    try:
+        reader_of(file)
+    except UnreadableLogError:
+        return False
+    return True
 
 
 def tag_of(*parts: object) -> str:

@@ -13,7 +13,7 @@ from imuwb.analysis import offers, takes_no_log
 from imuwb.cli.analyses import analysis_named
 from imuwb.cli.imus import compares, comparison
 from imuwb.cli.options import Conditions, Outputs, Part, Request
-from imuwb.cli.perform import analysed, check_count
+from imuwb.cli.perform import analysed, check_count, with_folders
 from imuwb.cli.places import Places, reserved
 from imuwb.cli.studies import grid
 from imuwb.cli.through import step
@@ -53,7 +53,7 @@ def run(analysis: str, *logs: str | Path, force: bool = False, force_model: bool
     parameters = _made(plugin.Parameters, {name: value for name, value in options.items() if name in own})
     outputs = Outputs(force=force, force_model=force_model)
     request = Request(shared[ReadOptions], shared[Part], shared[Conditions], outputs, _command(analysis, logs, options))
-    paths = [place_of(str(log)) for log in logs]
+    paths = with_folders(plugin, [place_of(str(log)) for log in logs])
     if not paths and not takes_no_log(plugin):
         raise UsageError(f"imuwb.run({analysis!r}): no log is given")
     check_count(analysis, plugin, paths)

@@ -88,6 +88,7 @@ class Reader(Protocol):
     ``part(path, options, limits)`` yields, as ``stream`` does, the first rows of each stream and those rows, of all streams, that lie
     within ``limits``, or more, in the file's order; it raises ``CannotSeekError``, at any time, where the file does not allow this.
     ``probe_folder(folder) -> bool`` returns whether a folder is a log of this format; ``stream`` then gets the folder.
+    ``has_several_logs(folder) -> bool`` returns whether such a folder is several logs in truth.
     ``ranged = True`` states that the reader opens logs only by ``imuwb.readers.bytes.source.opened``, so that ``stream`` and
     ``describe`` may get a remote log in place of a path; other readers get the path of a copy. ``beside(name)`` returns the names
     of files that the reader looks for beside a log of some name; they are copied with a remote log.

@@ -6,7 +6,7 @@ from pathlib import Path
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers.messages import BAG_MAGIC
-from imuwb.readers.containers.recording_folder import Form, has_recording
+from imuwb.readers.containers.recording_folder import Form, has_recording, has_several
 from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
@@ -25,6 +25,11 @@ FORM = Form(".bag", probe)
 def probe_folder(folder: Path) -> bool:
     """Return whether a folder has bags, such as the parts of a split one."""
     return has_recording(folder, FORM)
+
+
+def has_several_logs(folder: Path) -> bool:
+    """Return whether a folder has several recordings."""
+    return has_several(folder, FORM)
 
 
 def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:

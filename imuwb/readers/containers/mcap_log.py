@@ -5,7 +5,7 @@ from pathlib import Path
 
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source
-from imuwb.readers.containers.recording_folder import Form, has_recording, parts_of
+from imuwb.readers.containers.recording_folder import Form, has_recording, has_several, parts_of
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
@@ -26,6 +26,11 @@ FORM = Form(".mcap", probe)
 def probe_folder(folder: Path) -> bool:
     """Return whether a folder has MCAP files, such as that of a rosbag2 recording."""
     return has_recording(folder, FORM)
+
+
+def has_several_logs(folder: Path) -> bool:
+    """Return whether a folder has several recordings."""
+    return has_several(folder, FORM)
 
 
 def describe(path: Source, options: ReadOptions) -> LogSummary | None:

@@ -6,7 +6,7 @@ ros/ros_comm, rosbag recorder (--split).
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -55,6 +55,25 @@ def has_recording(folder: Path, form: Form) -> bool:
     return any(_is(file, form) for file in _named(folder, form))
 
 
+def has_several(folder: Path, form: Form) -> bool:
+    """Return whether a folder has several recordings of a format, of which none is stated to be the folder's."""
+    metadata = _metadata(folder)
+    return (metadata is None or not metadata.files) and _are_apart(_files(folder, form))
+
+
+def _files(folder: Path, form: Form) -> list[Path]:
+    """Return the files of a format; of a file and its packed form, the file."""
+    known = [file for file in _named(folder, form) if _is(file, form)]
+    files = list({_stem(file): file for file in sorted(known, key=_is_packed, reverse=True)}.values())
+    return sorted(files, key=known.index)
+
+
+def _are_apart(files: Sequence[Path]) -> bool:
+    """Return whether several files are recordings of their own, not the numbered parts of one."""
+    numbered = [_NUMBERED.match(_stem(file)) for file in files]
+    return len(files) > 1 and (None in numbered or len({match[1] for match in numbered if match is not None}) > 1)
+
+
 def parts_of(folder: Path, form: Form) -> Parts:
     """Return the parts of the recording in a folder: those of its metadata in their order, or else its numbered files.
 
@@ -64,17 +83,14 @@ def parts_of(folder: Path, form: Form) -> Parts:
     metadata = _metadata(folder)
     if metadata is not None and metadata.files:
         return replace(_stated(folder, form, metadata), messages=metadata.messages)
-    known = [file for file in _named(folder, form) if _is(file, form)]
-    files = list({_stem(file): file for file in sorted(known, key=_is_packed, reverse=True)}.values())
-    files.sort(key=known.index)
+    files = _files(folder, form)
     notes = _not_used(folder, files)
     if not files:
         raise UnreadableLogError(f"{folder}: no {form.suffix} file in this folder can be read; copy it again")
     if len(files) == 1:
         return Parts(tuple(files), tuple(notes))
     numbered = {file: _NUMBERED.match(_stem(file)) for file in files}
-    stems = {match[1] for match in numbered.values() if match is not None}
-    if None in numbered.values() or len(stems) > 1:
+    if _are_apart(files):
         names = names_text([file.name for file in files])
         raise UnreadableLogError(f"{folder}: this folder has several recordings ({names}); name one of them")
     places = {int(match[2]): file for file, match in numbered.items() if match is not None}

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
-from imuwb.readers.containers.recording_folder import Form, has_recording
+from imuwb.readers.containers.recording_folder import Form, has_recording, has_several
 from imuwb.readers.containers.split import container_of
 from imuwb.readers.containers.sqlite_file import MAGIC, in_wal_mode
 from imuwb.readers.containers.sqlite_rows import Database
@@ -25,6 +25,11 @@ FORM = Form(".db3", probe)
 def probe_folder(folder: Path) -> bool:
     """Return whether a folder has databases, such as that of a rosbag2 recording."""
     return has_recording(folder, FORM)
+
+
+def has_several_logs(folder: Path) -> bool:
+    """Return whether a folder has several recordings."""
+    return has_several(folder, FORM)
 
 
 def beside(name: str) -> tuple[str, ...]:
