@@ -26,7 +26,7 @@ and these, if it needs them:
 * ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``; ``answer_study(result) -> Answer`` for
   its answer. Without it, the first table of ``draw_study`` takes its place.
 * ``compare_imus(logs, parameters) -> result`` and ``draw_imus(result, review)``, for ``--imu all``: one log for each IMU of a log;
-  ``answer_imus(result) -> Answer`` for its answer.
+  ``answer_imus(result) -> Answer`` for its answer. ``IMUS_OF_LOGS = True``: several logs may be given, each with several IMUs.
 * ``imu_of(log, parameters) -> name``: the IMU that is analysed if the user names none; without it, the first.
 * ``EVERY_IMU = True``: the analysis examines all IMUs of a log.
 * ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive has a parameter

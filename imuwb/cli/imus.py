@@ -21,10 +21,10 @@ def compares(analysis: Analysis, request: Request) -> bool:
 
 
 def comparison(name: str, analysis: Analysis, paths: Sequence[object], request: Request) -> Analysis:
-    """Return the analysis that compares the IMUs of one log.
+    """Return the analysis that compares the IMUs of a log, or of logs where it takes several.
 
     Raises:
-        UsageError: the analysis cannot, there are several logs, or an option needs a single IMU.
+        UsageError: the analysis cannot, there are several logs of which it takes one, or an option needs a single IMU.
     """
     if not offers(analysis, "compare_imus"):
         able = [one for one in registry.installed(registry.ANALYSES) if offers(_loaded(one), "compare_imus")]
@@ -38,7 +38,7 @@ def comparison(name: str, analysis: Analysis, paths: Sequence[object], request: 
     for option, is_given in given.items():
         if is_given:
             raise UsageError(f"{option} needs one IMU, and --imu {ALL} compares all; give the name of one with --imu")
-    if len(paths) > 1:
+    if len(paths) > 1 and not getattr(analysis, "IMUS_OF_LOGS", False):
         raise UsageError(f"--imu {ALL} compares the IMUs of one log; {len(paths)} logs are given")
     plugin = cast("Any", analysis)
     parts = {"Parameters": plugin.Parameters, "run": plugin.compare_imus, "draw": plugin.draw_imus}

@@ -70,7 +70,7 @@ class Part:
     imu: Annotated[
         str | None,
         "IMU to use, by its name in imuwb info. A+B: the gyroscopes of A with the accelerometers of B. "
-        "all: compare all IMUs (noise, allan).",
+        "all: compare all IMUs (noise, allan, temperature).",
         Form("NAME|A+B|all", words=("all",), streams="imu"),
     ] = None
     start: Annotated[

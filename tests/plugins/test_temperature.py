@@ -333,3 +333,27 @@ def test_a_shock_stands_in_the_model_and_forbids_it_if_it_is_large(gyros):
         result = run([first, *gyros[1:]])
         assert bool(temperature.objections(result)) == grave
         assert any("shock" in doubt for doubt in temperature.error_model(result).doubts) == grave
+
+
+def test_each_imu_of_the_logs_has_its_result(shown):
+    one, other = (
+        [log_at(t + k, int(t) + k + 50, seconds=40, name=name, triads=("gyro",)) for t in (0.0, 30.0)]
+        for k, name in enumerate(("/a", "/b"))
+    )
+    bare = log_at(None, 20, seconds=40, name="/c", triads=("gyro",))
+    found = temperature.compare_imus([*one, *other, bare], temperature.Parameters())
+    assert list(found.imus) == ["/a", "/b"]
+    assert list(found.left_out) == ["/c"]
+    answer = temperature.answer_imus(found)
+    assert [row[:2] for row in answer.rows[:4]] == [
+        ("/a", "gyro x"),
+        ("/a", "gyro y"),
+        ("/a", "gyro z"),
+        ("/b", "gyro x"),
+    ]
+    temperature.draw_imus(found, shown)
+    assert shown.tabs == ["a", "b"]
+    assert "imu-left-out" in ids(shown.notes)
+    assert len({f.title for f in shown.figures}) == len(shown.figures) == 4
+    with pytest.raises(MissingDataError, match="/c"):
+        temperature.compare_imus([bare], temperature.Parameters())

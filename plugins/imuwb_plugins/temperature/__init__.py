@@ -9,6 +9,7 @@ Example: imuwb temperature cold.mcap room.mcap hot.mcap --function quadratic -o 
 import lazy_loader
 
 LOGS = (1, None)
+IMUS_OF_LOGS = True
 LEAVES_MODEL = True
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
@@ -20,5 +21,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "show": ["draw", "draw_study"],
         "setting_study": ["study"],
         "answer": ["answer"],
+        "imus": ["answer_imus", "compare_imus", "draw_imus"],
     },
 )

@@ -11,6 +11,7 @@ from imuwb_plugins.temperature.result import Result, TemperatureAxis, lag_senten
 
 DRIVE = Step("imuwb outage DRIVE --error-model {model}", "a drive with this sensor at its temperature")
 _BIAS = {"gyro": UNITS["deg/h"], "accel": UNITS["mg"]}
+COLUMNS = ("bias change", "depends")  #: last headings
 TESTED = ("N", "B", "K", "bias")
 
 
@@ -18,21 +19,8 @@ def answer(result: Result) -> Answer:
     """Return N and the bias of each axis at the coldest and at the hottest temperature, and what the tests say."""
     first = next(iter(result.axes.values()))
     cold, hot = first.by_temperature[0].temperature, first.by_temperature[-1].temperature
-    rows: list[tuple[str, ...]] = []
-    for sensor, axes in by_sensor(result.axes).items():
-        unit, bias = coefficient_units(f"{sensor}_x", "N")[1], _BIAS[sensor]
-        for axis, own in axes.items():
-            ends = (own.by_temperature[0], own.by_temperature[-1])
-            cells = (coefficient_cell(point.coefficients.get("N", UNKNOWN), unit) for point in ends)
-            rows.append((axis.replace("_", " "), *cells, _change(own, result.level, bias.factor), _follow(own)))
-        rows.append(("", unit.name, unit.name, bias.name, ""))
-    headings = (
-        "",
-        f"N at {number_text(cold)} °C",
-        f"N at {number_text(hot)} °C",
-        "bias change",
-        "depends",
-    )
+    rows = [row for sensor in by_sensor(result.axes) for row in (*rows_of(result, sensor), units_of(sensor))]
+    headings = ("", f"N at {number_text(cold)} °C", f"N at {number_text(hot)} °C", *COLUMNS)
     tested = f"What depends on temperature (tests of which {100 * result.size:g} of 100 err) is a function of it in the model."
     sentences = [f"{note[:1].upper()}{note[1:]}." for note in _important(result)][:2]
     sentences.insert(1 if any(one.removed for one in result.lags) else 0, tested)
@@ -40,6 +28,23 @@ def answer(result: Result) -> Answer:
         f"{counted(len(first.by_temperature), 'temperature')} from {number_text(cold)} to {number_text(hot)} °C", headings, tuple(rows),
         tuple(sentences), (DRIVE,), f"{100 * result.level:g} % intervals",
     )  # fmt: skip
+
+
+def rows_of(result: Result, sensor: str) -> list[tuple[str, ...]]:
+    """Return a row for each axis of a sensor: its name, N at both ends, the change of the bias, and what depends on temperature."""
+    unit, bias = coefficient_units(f"{sensor}_x", "N")[1], _BIAS[sensor]
+    rows: list[tuple[str, ...]] = []
+    for axis, own in by_sensor(result.axes).get(sensor, {}).items():
+        ends = (own.by_temperature[0], own.by_temperature[-1])
+        cells = (coefficient_cell(point.coefficients.get("N", UNKNOWN), unit) for point in ends)
+        rows.append((axis.replace("_", " "), *cells, _change(own, result.level, bias.factor), _follow(own)))
+    return rows
+
+
+def units_of(sensor: str) -> tuple[str, ...]:
+    """Return the row of the units of a sensor's rows."""
+    unit = coefficient_units(f"{sensor}_x", "N")[1].name
+    return ("", unit, unit, _BIAS[sensor].name, "")
 
 
 def _important(result: Result) -> list[str]:
