@@ -29,13 +29,27 @@ RAMP = np.round(np.linspace(0, 40, 3600), 2)
 
 @pytest.mark.parametrize(
     ("readings", "piece"),
-    [(RAMP + 273.15, "temperature=K"), (np.where(np.arange(3600) < 1800, RAMP, 20.0), "--start and --end")],
+    [
+        (RAMP + 273.15, "temperature=K"),
+        (np.where(np.abs(np.arange(3600) - 1800) > 1300, RAMP, 20.0), "--start and --end"),
+    ],
     ids=["kelvin", "stuck"],
 )
 def test_wrong_temperatures_are_refused_with_the_remedy(readings, piece):
     with pytest.raises(MissingDataError, match=piece):
         temperature.run([log_of(RAMP, readings)], PLAIN)
     assert with_sound_thermometers([log_of(RAMP, readings)], temperature.Parameters(celsius=(20.0,)))[1] == []
+
+
+def test_the_part_with_a_stuck_thermometer_is_left_out_and_named():
+    stuck = np.where(np.arange(3600) < 1800, RAMP, 20.0)
+    (log,), notes = with_sound_thermometers([log_of(RAMP, stuck)], PLAIN)
+    assert ids(notes) == ("thermometer-stuck",)
+    assert "after 1800 s is left out" in notes[0]
+    assert log.imu().temperature.value[-1] == pytest.approx(RAMP[1799], abs=0.1)
+    (late,), notes = with_sound_thermometers([log_of(RAMP, np.where(np.arange(3600) < 1800, 20.0, RAMP))], PLAIN)
+    assert "before" in notes[0]
+    assert len(late.imu().temperature) == pytest.approx(1800, abs=2)
 
 
 def test_spikes_are_left_out_and_counted():

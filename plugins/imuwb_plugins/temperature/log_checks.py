@@ -8,6 +8,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.health import sound_thermometer
 from imuwb.log import Log
 from imuwb.notes import Note
+from imuwb.selection import select
 from imuwb_plugins.temperature.parameters import Parameters
 
 SAME_RATE = 0.01  #: largest relative difference of sampling rates between logs
@@ -60,19 +61,22 @@ def _check_rates(logs: Sequence[Log]) -> None:
 
 #: kinds of faults of a thermometer with which temperatures are wrong
 WRONG = ("temperature unit", "stuck thermometer")
+LEAST = 600.0  #: s; the part of a log beside a stuck thermometer is taken if it is longer
 
 
 def with_sound_thermometers(logs: Sequence[Log], parameters: Parameters) -> tuple[list[Log], list[Note]]:
-    """Return the logs without the spikes of their thermometers, and notes on them.
+    """Return the logs without the spikes of their thermometers and without the time in which they are stuck, and notes.
 
     Raises:
-        MissingDataError: readings of another unit than °C, or a thermometer that is stuck for a part of its log.
+        MissingDataError: readings of another unit than °C, or a thermometer that is stuck for nearly all of its log.
     """
     if parameters.celsius:
         return list(logs), []
     sound: list[Log] = []
     notes: list[Note] = []
-    for log in logs:
+    for whole in logs:
+        log, stuck_notes = _without_stuck(whole)
+        notes += stuck_notes
         thermometer, faults = sound_thermometer(log)
         path = log.provenance.path
         for fault in faults:
@@ -87,6 +91,23 @@ def with_sound_thermometers(logs: Sequence[Log], parameters: Parameters) -> tupl
         imu = replace(log.imu(), temperature=thermometer)
         sound.append(log if thermometer is None else replace(log, imus=(imu, *log.imus[1:])))
     return sound, notes
+
+
+def _without_stuck(log: Log) -> tuple[Log, list[Note]]:
+    """Return the longer part of a log beside the time in which its thermometer is stuck, and a note; without such a time the log."""
+    stuck = [f for f in sound_thermometer(log)[1] if f.kind == WRONG[1] and f.severity == "fault"]
+    thermometer = log.imu().temperature
+    if not stuck or stuck[0].start is None or thermometer is None:
+        return log, []
+    start, end = stuck[0].start, stuck[0].start + (stuck[0].length or 0.0)
+    last = float(log.seconds(thermometer.time[-1:])[0])
+    if max(start, last - end) < LEAST:
+        return log, []
+    before = start > last - end
+    kept = select(log, end=f"{start:.3f}") if before else select(log, start=f"{end:.3f}")
+    part = f"{'after' if before else 'before'} {start if before else end:.0f} s"
+    text = f"{log.provenance.path}: {stuck[0].what} from {start:.0f} s on: the log {part} is left out"
+    return kept, [Note("thermometer-stuck", text)]
 
 
 def check_thermometers(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
