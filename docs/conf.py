@@ -23,6 +23,7 @@ extensions = [
 exclude_patterns = ["inventories", "making", "made/terms/figures.md"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "fieldlist"]
 myst_heading_anchors = 3
+smartquotes = False  # options begin with two hyphens
 html_theme = "furo"
 html_title = f"imuwb {version}"
 html_static_path = ["static"]

@@ -4,7 +4,7 @@ import os
 import shutil
 from pathlib import Path
 
-from making import commands, gallery, papers, studies, terms
+from making import commands, gallery, glossary, papers, studies, terms
 
 FOLDER, RUN = "made", "run"  #: RUN: where the commands of the pages run
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
@@ -21,7 +21,7 @@ def make(docs: Path) -> None:
     run.mkdir(parents=True)
     for log in SAMPLES.glob("*.mcap"):
         shutil.copyfile(log, run / log.name)
-    for part in (terms, commands, papers, studies, gallery):
+    for part in (terms, glossary, commands, papers, studies, gallery):
         folder = made / part.__name__.rpartition(".")[2]
         folder.mkdir(parents=True)
         part.make(folder)
