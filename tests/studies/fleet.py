@@ -9,8 +9,7 @@ after two thirds of the logs; it is then started again.
 * equal: sensors, outages, logs and quarantine have the same bytes as those of the loop over the same logs.
 * worked twice: logs on which work was begun again, because a worker or the client was killed.
 * CPU: of the client and of all processes that it started, without the workers of Dask and the servers.
-* overhead: CPU of the pool over that of the loop, for logs that take 2 s each (``noise``). One number for each log more, and one
-  for the start of two workers, from two lengths.
+* overhead: CPU of the pool over that of the loop, for logs that take 2 s each (``noise``); the loop runs before and after.
 
 Command: ``python tests/studies/fleet.py`` (600 logs: an hour on two cores; ``fleet.md`` states what was run. Linux).
 Seeds: 1, of the fleet.
@@ -21,7 +20,6 @@ from __future__ import annotations
 import json
 import os
 import resource
-import shutil
 import signal
 import subprocess
 import sys
@@ -48,7 +46,7 @@ KILL = (
 BOUNDS = ("--task-time", "15", "--task-memory", "1")
 TABLES = ("sensors", "outages", "logs", "quarantine")
 BUCKET, PORT = "fleet", 5127
-LENGTHS = (4, 12)  #: logs of the two runs that show the overhead
+LONG = 10  #: logs of 2 s each
 STORE = {
     "AWS_ACCESS_KEY_ID": "k", "AWS_SECRET_ACCESS_KEY": "s", "AWS_REGION": "us-east-1", "AWS_ENDPOINT_URL": f"http://127.0.0.1:{PORT}",
 }  # fmt: skip
@@ -184,32 +182,27 @@ def stored(store, name):
     return {table: bytes(obstore.get(store, f"{name}/{table}.parquet").bytes()) for table in TABLES}
 
 
-def overhead(folder, again):
-    """Return the rows on the CPU of a pool over that of a loop, for logs of 2 s each."""
-    fleet(folder / "more", 4, 180, 100, seed=2)
-    spent = {}
-    for count in LENGTHS:
-        chosen = folder / f"few{count}"
-        chosen.mkdir()
-        sound = [p for p in sorted((folder / "more").rglob("*.mcap")) if p.stat().st_size > 10**6]
-        for number, path in enumerate(sound[:count]):
-            shutil.copy(path, chosen / f"{number}.mcap")
-        for name, workers in (("loop", 0), ("pool", 2)):
-            spent[name, count] = timed(
-                ("noise", chosen, "-o", folder / f"{name}{count}", "--workers", workers), folder
-            )[0]
-    few, many = LENGTHS
-    each = {name: (spent[name, many] - spent[name, few]) / (many - few) for name in ("loop", "pool")}
-    start = {name: spent[name, few] - few * each[name] for name in each}
-    more = each["pool"] / each["loop"] - 1
-    whole = (start["pool"] + 600 * each["pool"]) / (start["loop"] + 600 * each["loop"]) - 1
+def overhead(folder, rerun):
+    """Return the rows on the CPU of a pool over that of a loop, which runs before and after it, for logs of 2 s each."""
+    subprocess.run([sys.executable, "-m", "imuwb", "warm"], check=True, capture_output=True)
+    fleet(folder / "more", LONG // MONTHS, 180, 100, seed=2)
+    runs = (("loop", 0), ("pool", 2), ("loop again", 0))
+    spent = {
+        name: timed(("noise", folder / "more", "-o", folder / f"{name}-long", "--workers", workers), folder)[0]
+        for name, workers in runs
+    }
+    return goals_of(spent["loop"], spent["pool"], spent["loop again"], rerun)
+
+
+def goals_of(first, pool, second, rerun):
+    """Return the rows on overhead from the CPU of two loops and of the pool between them."""
+    each, more = min(first, second) / LONG, pool / ((first + second) / 2) - 1
     return (
-        ("CPU of a log in the loop", "at least 2 s", f"{each['loop']:.2f} s", verdict(each["loop"] >= 1.95)),
-        ("CPU of a log in the pool, over the loop", "at most 5 %", f"{100 * more:.1f} %", verdict(more <= 0.05)),
-        ("CPU of the start of two workers, over the loop's start", "–", f"{start['pool'] - start['loop']:.1f} s", "–"),
-        ("CPU of a run that finds all done, over 600 such logs", "at most 2 %", f"{100 * again / (600 * each['loop']):.2f} %",
-         verdict(again <= 0.02 * 600 * each["loop"])),
-        ("CPU of 600 such logs by these numbers, over the loop", "at most 5 %", f"{100 * whole:.1f} %", verdict(whole <= 0.05)),
+        ("CPU of a log in the loop", "at least 2 s", f"{each:.2f} s", verdict(each >= 2)),
+        (f"CPU of the pool, its start included, over the mean of two loops of {LONG} such logs", "at most 5 %",
+         f"{100 * more:.1f} % ({pool:.1f} s; loops {first:.1f} and {second:.1f} s)", verdict(more <= 0.05)),
+        ("CPU of a run that finds all done, over 600 such logs", "at most 2 %", f"{100 * rerun / (600 * each):.2f} %",
+         verdict(rerun <= 0.02 * 600 * each)),
     )  # fmt: skip
 
 
