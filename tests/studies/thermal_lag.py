@@ -9,7 +9,7 @@ thermometer instead. ``imuwb temperature`` analyses each record as it does by de
 Goals: the lag lies in its 95 % interval in 93 to 97 % of records; at least 95 % of axes have no K in the saved model; six cycles of
 temperature in one hour take at most seven times the CPU of one.
 
-Command: ``python tests/studies/thermal_lag.py`` (100 records: about 9 minutes in one process).
+Command: ``python tests/studies/thermal_lag.py`` (100 records: about 10 minutes in one process).
 Seeds: ``numpy.random.default_rng(r)`` draws record r.
 """
 
