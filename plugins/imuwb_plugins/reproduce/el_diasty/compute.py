@@ -76,6 +76,7 @@ def _measured(record: Record) -> Measured:
     curve = allan(record.values, record.dt)
     walk = in_unit(fit_allan(curve, shortest=SHORTEST * record.dt).coefficients["N"], UNIT[record.axis])
     coefficients = {table: _coefficient(filtered(record, fc), record.dt) for table, fc in CUTOFFS.items()}
+    coefficients["2"] = coefficients["2"].scaled(-1.0, "1")  # the other tables have the sign of x(n) + C x(n-1) = e
     return Measured(record, curve, walk, coefficients)
 
 

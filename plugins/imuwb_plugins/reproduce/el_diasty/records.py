@@ -49,7 +49,7 @@ class Record:
 def simulated(printed: Paper, hours: float, seed: int) -> Iterator[Record]:
     """Yield records with the noise that the paper prints.
 
-    An autoregressive process of order 1 has at long times the random walk N = beta0 √dt / (1 + alpha).
+    Table 2 has b(k+1) = C b(k) + e, so alpha = -C. An autoregressive process of order 1 has at long times the random walk N = beta0 √dt / (1 + alpha).
     """
     known = {value.key: value.value for value in printed.values()}
     dt, n = 1 / RATE, round(hours * 3600 * RATE)
@@ -59,7 +59,7 @@ def simulated(printed: Paper, hours: float, seed: int) -> Iterator[Record]:
             for celsius in CELSIUS:
                 item = f"{imu}, {celsius} °C"
                 walk = UNITS[UNIT[axis]].to_si(known[Key("1", f"{axis}, N", item)])
-                alpha = known[Key("2", f"{axis}, C", item)]
+                alpha = -known[Key("2", f"{axis}, C", item)]
                 process = Autoregressive((alpha,), walk * (1 + alpha) / math.sqrt(dt), dt)
                 yield Record(imu, axis, celsius, process.sample(n, dt, np.random.default_rng(next(streams))), dt)
 
