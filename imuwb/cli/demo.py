@@ -5,10 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, cast
 
-import typer
-
 from imuwb import registry
-from imuwb.analysis import Analysis
+from imuwb.analysis import Analysis, Answer, Step
 from imuwb.cli.options import Conditions, Force, Outputs, Part, Request, output_option
 from imuwb.errors import MissingDataError
 
@@ -37,8 +35,10 @@ def demo(
     from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415
     from imuwb.cli.places import Places, check_places  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel  # noqa: PLC0415
     from imuwb.cli.typed import options_given  # noqa: PLC0415
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
 
     still, drive = (samples() / log for log in LOGS.values())
     (still_name, still_analysis), (drive_name, drive_analysis) = (marked(log) for log in LOGS)
@@ -62,7 +62,11 @@ def demo(
     perform(
         drive_name, drive_analysis, [drive], drive_settings, request(drive_name, drive, drive_outputs, drive_settings)
     )
-    typer.echo(f"look at the results: imuwb view {output}; imuwb view {drive_output}; or open their .html", err=True)
+    steps = (
+        Step(f"imuwb view {shlex.quote(str(output))}", "the noise; the same without a viewer is in its .html"),
+        Step(f"imuwb view {shlex.quote(str(drive_output))}", "the outages; the same without a viewer is in its .html"),
+    )
+    print_panel(Answer("both jobs are done", next=steps), Origin("demo", ()), data=False)
 
 
 def marked(log: str) -> tuple[str, Analysis]:

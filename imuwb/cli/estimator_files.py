@@ -88,10 +88,10 @@ def export(
     else:
         made = exported(read, to, options, said)
         text, notes = made.text, made.notes
-    _write(text, notes, files, to)
+    _write(text, notes, files, to, model)
 
 
-def _write(text: str, notes: "Sequence[str]", files: "Mapping[str, Path]", to: str) -> None:
+def _write(text: str, notes: "Sequence[str]", files: "Mapping[str, Path]", to: str, model: Path) -> None:
     """Write an export to its files, or to stdout where there is none."""
     from imuwb.estimators.calibration import imu_tk_files  # noqa: PLC0415 - help must not wait
     from imuwb.writers import together, write_text  # noqa: PLC0415
@@ -103,10 +103,22 @@ def _write(text: str, notes: "Sequence[str]", files: "Mapping[str, Path]", to: s
             write_text(file, parts[part])
     if not files:
         typer.echo(text, nl=False)
-    for note in notes if files or two else ():
-        typer.echo(f"note: {note}", err=True)
-    if files:
-        typer.echo(f"wrote {', '.join(map(str, files.values()))}", err=True)
+        for note in notes if two else ():
+            typer.echo(f"note: {note}", err=True)
+        return
+    _panel("model export", f"for {to}", model, notes, tuple(files.values()))
+
+
+def _panel(command: str, about: str, read: Path, notes: "Sequence[str]", files: "Sequence[Path]") -> None:
+    """Print what was written, and what is in none of it."""
+    from imuwb.analysis import Answer, Step  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import print_panel  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
+
+    sentences = tuple(f"{note[:1].upper()}{note[1:]}{'' if note.endswith('.') else '.'}" for note in notes)
+    steps = () if command == "model export" else (Step(f"imuwb model show {files[0]}", "its terms"),)
+    answer = Answer(about, sentences=sentences, next=steps)
+    print_panel(answer, Origin(command, (str(read),), wrote=tuple(map(str, files))), data=False)
 
 
 def _files(output: Path | None, to: str) -> dict[str, Path]:
@@ -162,7 +174,7 @@ def import_(
         typer.echo(reading.model.to_toml(), nl=False)
         return
     write_text(output, reading.model.to_toml())
-    typer.echo(f"wrote {output}, read as {reading.form}", err=True)
+    _panel("model import", f"read as {reading.form}", file, (), (output,))
 
 
 def explain(
@@ -230,7 +242,7 @@ def merge(
         parts, _, source = text.partition("=")
         taken |= dict.fromkeys((part.strip() for part in parts.split(",")), _place(source.strip(), models))
     write_text(output, merged([sensor_model(model) for model in models], taken).to_toml())
-    typer.echo(f"wrote {output}", err=True)
+    _panel("model merge", f"{len(models)} models are one", models[0], (), (output,))
 
 
 def _place(source: str, models: list[Path]) -> int:

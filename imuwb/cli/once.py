@@ -59,6 +59,7 @@ class OnceCommand(HelpfulCommand):
 
     def _save(self, ctx: Any, file: Path, given: Mapping[str, object]) -> None:  # noqa: ANN401 - as above
         from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
+        from imuwb.texts import printable  # noqa: PLC0415
         from imuwb.writers import write_text  # noqa: PLC0415 - help must not wait for numpy
 
         params = self._params(ctx)
@@ -69,7 +70,7 @@ class OnceCommand(HelpfulCommand):
         }
         stated = {key: bool(given.get(param.name)) for key, param in params.items()}
         write_text(file, settings_text(_name(ctx), __version__, values, stated))
-        typer.echo(f"wrote {file}", err=True)
+        typer.echo(f"Wrote  {printable(str(file))}", err=True)  # as the last line of the panel above it
 
 
 def _name(ctx: Any) -> str:  # noqa: ANN401 - as above

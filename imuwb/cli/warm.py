@@ -3,8 +3,6 @@
 import os
 import time
 
-import typer
-
 from imuwb.errors import ImuwbError
 from imuwb.texts import counted
 
@@ -19,6 +17,9 @@ def warm() -> None:
     Example: imuwb warm
     """
     from imuwb import kept_code  # noqa: PLC0415 - help must not wait for numba
+    from imuwb.analysis import Answer  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
     from imuwb.signatures import compile_all  # noqa: PLC0415
 
     began = time.perf_counter()
@@ -26,7 +27,10 @@ def warm() -> None:
     if kept_code.lost:
         raise ImuwbError(f"compiled code cannot be kept ({kept_code.lost[0]}); {kept_code.REMEDY}")
     took = time.perf_counter() - began
-    typer.echo(f"{count} functions are ready after {took:.1f} s; {'they were compiled' if made else 'all were there'}.")
-    if failed:
-        typer.echo(f"{counted(len(failed), 'function')} changed since the list was made; compiled when needed.")
-    typer.echo(f"Their code is in {os.path.commonpath(kept_code.used)} ({counted(len(kept_code.used), 'folder')}).")
+    changed = f"{counted(len(failed), 'function')} changed since the list was made; compiled when needed."
+    answer = Answer(
+        f"{count} functions are ready after {took:.1f} s; {'they were compiled' if made else 'all were there'}",
+        sentences=(changed,) if failed else (),
+    )
+    place = f"{os.path.commonpath(kept_code.used)} ({counted(len(kept_code.used), 'folder')})"
+    print_panel(answer, Origin("warm", (), wrote=(place,)), data=True)

@@ -1,5 +1,6 @@
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from imuwb.notes import ids
 from imuwb.review.answers.document import document
 from imuwb.stochastic import ImuErrorModel, RandomWalk, WhiteNoise
 from imuwb_plugins import temperature
+from imuwb_plugins.temperature.axis_result import kept_constant
 from imuwb_plugins.temperature.compute import _difference_of_logs
 from imuwb_plugins.temperature.records import LogPart, grouped
 
@@ -357,3 +359,15 @@ def test_each_imu_of_the_logs_has_its_result(shown):
     assert len({f.title for f in shown.figures}) == len(shown.figures) == 4
     with pytest.raises(MissingDataError, match="/c"):
         temperature.compare_imus([bare], temperature.Parameters())
+
+
+@pytest.mark.parametrize(
+    ("depends", "kind", "candidates", "kept"),
+    [(True, "constant", (1,), True), (True, "linear", (1,), False), (False, "constant", (), False), (True, "constant", (), False)],
+)  # fmt: skip
+def test_a_dependence_that_the_model_leaves_out_is_marked(depends, kind, candidates, kept):
+    own = SimpleNamespace(
+        dependence=SimpleNamespace(by_coefficient={"N": SimpleNamespace(depends=depends)}),
+        functions={"N": SimpleNamespace(kind=kind, candidates=candidates)},
+    )
+    assert kept_constant(own, "N") is kept

@@ -76,8 +76,11 @@ class Scale:
         return [Tick(at, label) for at, label in places if -EDGE <= at <= 1 + EDGE]
 
     def _decades(self) -> list[tuple[float, str]]:
+        """Return the decades and their digits; where the axis has a single decade, 2 and 5 have a label too."""
+        short = math.floor(self.high + EDGE) - math.ceil(self.low - EDGE) < 1
+        label = _digit_text if short else _decade_text
         return [
-            (decade + math.log10(digit), f"10{str(decade).translate(_SUPERSCRIPTS)}" if digit == 1 else "")
+            (decade + math.log10(digit), label(digit, decade))
             for decade in range(math.floor(self.low), math.ceil(self.high) + 1)
             for digit in range(1, 10)
         ]
@@ -89,6 +92,20 @@ class Scale:
         digits = -math.floor(math.log10(step) + EDGE)
         first, last = math.ceil(self.low / step - EDGE), math.floor(self.high / step + EDGE)
         return [(k * step, _tick_text(k * step, digits)) for k in range(first, last + 1)]
+
+
+def _decade_text(digit: int, decade: int) -> str:
+    return f"10{str(decade).translate(_SUPERSCRIPTS)}" if digit == 1 else ""
+
+
+def _digit_text(digit: int, decade: int) -> str:
+    """Return the label of 1, 2 and 5 in a decade: 0.5, 200, 5·10⁻⁷."""
+    if digit not in {1, 2, 5}:
+        return ""
+    if abs(decade) < 4:  # noqa: PLR2004 - longer numbers are hard to read
+        return f"{digit * 10.0**decade:g}"
+    power = _decade_text(1, decade)
+    return power if digit == 1 else f"{digit}·{power}"
 
 
 def _tick_text(value: float, digits: int) -> str:

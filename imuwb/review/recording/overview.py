@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,12 +10,14 @@ from imuwb.analysis import Review, Series
 from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS, GREY, TRACK_COLORS
 from imuwb.log import ImuStream, Log, Triad
+from imuwb.names import distinct
 from imuwb.review.drawn.envelope import extremes
 from imuwb.review.scene.clock import Clock
 from imuwb.review.tables.streams import streams_of_many, streams_table
 from imuwb.summary import summarize
 from imuwb.units import COUNT
 
+NAMED = 24  #: columns of the name of a log among several
 MANY = 3  #: up to this number of logs, each is shown over time
 SPANS = 600  #: of an axis, whose chart fills half a screen
 ALPHA = 150  #: opacity of the lines of three axes in one chart
@@ -23,27 +26,39 @@ SENSORS = {"gyro": ("angular rate", "deg/s", float(np.degrees(1.0))), "accel": (
 
 
 def overview(logs: Sequence[Log], review: Review) -> None:
-    """Show each log: at most six charts of the first IMU, one for each axis, and a tab of all streams.
+    """Show each log: at most six charts of the first IMU, one for each axis, and a tab of the streams of all logs.
 
-    Of more than three logs only the first is shown over time, and one table lists the streams of all.
+    Of more than three logs only the first is shown over time.
     """
-    many, clock = len(logs) > MANY, Clock.of(logs)
-    if many:
+    clock = Clock.of(logs)
+    summaries = [summarize(log) for log in logs]
+    shown = logs[:1] if len(logs) > MANY else logs
+    names = names_of(logs)
+    if len(logs) > MANY:
         review.tab("Logs")
-        review.table(streams_of_many([summarize(log) for log in logs]))
-    for log in logs[:1] if many else logs:
-        name = "" if len(logs) == 1 else f" {log.provenance.path}"
-        review.tab(f"Overview{name}")
+        review.table(streams_of_many(summaries))
+    for log, name in zip(shown, names, strict=False):
+        review.tab(f"Overview {name}".strip())
         _show((s for imu in log.imus[:1] for s in _axes(imu)), log, clock, review)
-        review.tab(f"Streams{name}")
-        if not many:
-            review.table(streams_table(summarize(log)))
-        if log is logs[0]:
-            for note in dict.fromkeys(note for log in logs for note in log.notes):
-                review.note(note)
+    review.tab(f"Streams {names[0]}" if len(logs) > MANY else "Streams")
+    if len(logs) <= MANY:
+        review.table(streams_table(summaries[0]) if len(logs) == 1 else streams_of_many(summaries))
+    for note in dict.fromkeys(note for log in logs for note in log.notes):
+        review.note(note)
+    for log, name in zip(shown, names, strict=False):
+        of = f", {name}" if len(shown) > 1 else ""
         for gnss, color in zip(log.gnss, TRACK_COLORS, strict=False):
-            review.track(gnss.name, gnss.position, color)
-        _show(_others(log), log, clock, review)
+            review.track(f"{gnss.name}{of}", gnss.position, color)
+        _show((replace(series, title=f"{series.title}{of}") for series in _others(log)), log, clock, review)
+
+
+def names_of(logs: Sequence[Log]) -> tuple[str, ...]:
+    """Return short names of several logs, which tell them apart; one log needs no name."""
+    if len(logs) == 1:
+        return ("",)
+    paths = [log.provenance.path.replace("\\", "/") for log in logs]
+    files = [path.rpartition("/")[2] for path in paths]
+    return distinct(files if len(set(files)) == len(files) else paths, NAMED)
 
 
 def _show(all_series: Iterable[Series], log: Log, clock: Clock, review: Review) -> None:

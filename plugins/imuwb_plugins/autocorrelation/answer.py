@@ -3,6 +3,7 @@
 from imuwb.analysis import Answer, Step
 from imuwb.texts import number_text, seconds_text
 from imuwb_plugins.autocorrelation.result import CorrelationAxis, Result
+from imuwb_plugins.autocorrelation.show import denoised_figures
 
 NOISE = Step("imuwb noise {log}", "all estimators side by side, and a model")
 
@@ -15,7 +16,12 @@ def answer(result: Result) -> Answer:
     first = next((r for r in result.axes.values() if r.why_none is None), None)
     sentences = () if first is None else (f"{next(iter(result.axes)).replace('_', ' ')}: {first.verdict}.",)
     return Answer(
-        f"{rate}, denoised by {result.denoise} levels" if result.denoise else rate, headings, rows, sentences, (NOISE,)
+        f"{rate}, denoised by {result.denoise} levels" if result.denoise else rate,
+        headings,
+        rows,
+        sentences,
+        (NOISE,),
+        figure=next(iter(denoised_figures(result)), None),
     )
 
 

@@ -3,12 +3,15 @@
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
+from imuwb.arrays import Integers
 from imuwb.colors import AXIS_COLORS, PALE
 from imuwb.identification import GaussMarkovFit
 from imuwb.noise_results import SENSORS, by_sensor
 from imuwb.texts import converted_text
 from imuwb.units import UNITS, coefficient_units
 from imuwb_plugins.autocorrelation.result import CorrelationAxis, CorrelationCurve, Result
+
+DRAWN = 300  #: lags of a curve
 
 
 def draw(result: Result, review: Review) -> None:
@@ -17,16 +20,22 @@ def draw(result: Result, review: Review) -> None:
         review.note(note)
     for sensor, axes in by_sensor({axis: r for axis, r in result.axes.items() if r.lag.size}).items():
         review.figure(_figure(SENSORS[sensor], axes, result.level))
-    denoised = {axis: r.denoised for axis, r in result.axes.items() if r.denoised is not None}
-    for sensor, curves in by_sensor(denoised).items():
-        review.figure(_denoised(SENSORS[sensor], curves, result.denoise))
+    for figure in denoised_figures(result):
+        review.figure(figure)
     review.table(_table(result))
+
+
+def denoised_figures(result: Result) -> list[Figure]:
+    """Return a figure of each sensor after denoising: it falls slowly enough to see when."""
+    denoised = {axis: r.denoised for axis, r in result.axes.items() if r.denoised is not None}
+    return [_denoised(SENSORS[sensor], curves, result.denoise) for sensor, curves in by_sensor(denoised).items()]
 
 
 def _figure(name: str, axes: dict[str, CorrelationAxis], level: float) -> Figure:
     curves = [
-        Curve(axis.replace("_", " "), r.lag[1:], r.value[1:], AXIS_COLORS[axis[-1]], style="curve")
+        Curve(axis.replace("_", " "), r.lag[rows], r.value[rows], AXIS_COLORS[axis[-1]], style="curve")
         for axis, r in axes.items()
+        for rows in (_drawn(r.lag.size),)
     ]
     first = next(iter(axes.values()))
     for sign, label in ((1.0, f"white noise, {100 * level:g} %"), (-1.0, "")):
@@ -35,14 +44,19 @@ def _figure(name: str, axes: dict[str, CorrelationAxis], level: float) -> Figure
     return Figure(f"{name}: autocorrelation", "lag [s]", "autocorrelation [1]", tuple(curves), y_scale="linear")
 
 
+def _drawn(lags: int) -> Integers:
+    """Return which lags are drawn: all short ones, and equal steps on the logarithmic axis, where thousands would hide each other."""
+    return np.unique(np.geomspace(1, max(lags - 1, 1), DRAWN).astype(np.int64))
+
+
 def _denoised(name: str, axes: dict[str, CorrelationCurve], levels: int) -> Figure:
     curves: list[Curve] = []
     label = "Gauss-Markov process"
     for axis, c in axes.items():
-        color = AXIS_COLORS[axis[-1]]
-        curves.append(Curve(axis.replace("_", " "), c.lag[1:], c.value[1:], color, style="curve"))
+        color, rows = AXIS_COLORS[axis[-1]], _drawn(c.lag.size)
+        curves.append(Curve(axis.replace("_", " "), c.lag[rows], c.value[rows], color, style="curve"))
         if c.model is not None:
-            curves.append(Curve(label, c.lag[1:], c.model[1:], color, style="faint"))
+            curves.append(Curve(label, c.lag[rows], c.model[rows], color, style="faint"))
             label = ""
     title = f"{name}: autocorrelation after wavelet denoising, {levels} levels"
     return Figure(title, "lag [s]", "autocorrelation [1]", tuple(curves), y_scale="linear")

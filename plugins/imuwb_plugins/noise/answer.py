@@ -137,6 +137,6 @@ def _of_many(repeatability: Repeatability) -> Answer:
         else "No coefficient differs from log to log by more than chance explains."
     )
     return Answer(
-        f"{counted(count, 'log')} of one sensor", ("", *units, "bias from turn-on to turn-on"), rows, (text,), (DRIVE,),
+        f"{counted(count, 'log')} of one sensor", ("", *units, "turn-on to turn-on"), rows, (text,), (DRIVE,),
         f"{100 * repeatability.level:g} % intervals",
     )  # fmt: skip

@@ -28,11 +28,11 @@ def draw(result: Result, review: Review) -> None:
             log = result.repeatability.names[i] if result.repeatability is not None else ""
             review.tab(f"{TITLES[name]} {log}".strip())
             ANALYSES[name].draw(content, review)
-    if result.denoising is not None:
+    if result.denoising is not None or result.autoregressive:
         review.tab("Denoising")
+    if result.denoising is not None:
         show_denoising.draw(result.denoising, review)
     if result.autoregressive:
-        review.tab("Denoising")
         review.table(autoregressive_table(result.autoregressive, AUTOREGRESSIVE))
 
 

@@ -1,5 +1,6 @@
 """The result of an outage replay."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from imuwb.analysis import Series
@@ -231,6 +232,11 @@ class Result:
     smoothed: SmoothedRun | None = field(default=None, metadata=HELD)  #: None: not wanted
     whole_run: dict[str, FilterSummary] = field(default_factory=dict[str, FilterSummary])
     #: ^ filter or engine -> its errors over the whole run with all fixes; empty unless an engine is scored so
+
+    def ranked(self, names: Iterable[str]) -> list[str]:
+        """Return filters in the order of the longest outages, the best first; others follow in their own order."""
+        best = self.summary[-1].ranked if self.summary else []
+        return sorted(names, key=lambda name: best.index(name) if name in best else len(best))
 
     def __repr__(self) -> str:
         """Return reference and verdicts, a line each."""

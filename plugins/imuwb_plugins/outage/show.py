@@ -33,7 +33,7 @@ def draw(result: Result, review: Review) -> None:
         review.tab("Noise in motion")
         review.table(tables.motion(result.motion))
     review.tab("Errors")
-    for name in result.samples.errors:
+    for name in result.ranked(result.samples.errors):
         review.figure(figures.errors(result, name))
     review.tab("Budget")
     review.figure(figures.budget(result.budget))

@@ -84,11 +84,11 @@ def choice(c: Choice) -> Table:
 def by_motion(own: DurationSummary) -> Table:
     """Return the median error of each filter by motion."""
     rows = tuple(
-        (kind, *(f"{number_text(m)} m" if np.isfinite(m) else "—" for m in medians.values()))
+        (kind, *(f"{number_text(m)} m" if np.isfinite(m) else "—" for m in (medians[name] for name in own.ranked)))
         for kind, medians in own.by_motion.items()
     )
     title = f"Median error at the end by motion, outages of {own.duration:g} s"
-    return Table(title, ("motion", *own.models), rows)
+    return Table(title, ("motion", *own.ranked), rows)
 
 
 def consistency(own: DurationSummary) -> Table:
@@ -125,7 +125,7 @@ def budget(b: ErrorBudget) -> Table:
 
 def outages(result: Result) -> Table:
     """Return the errors of each filter in each listed outage."""
-    names = [*(f.name for f in result.filters), *(e.name for e in result.engines if e.scored == "outages")]
+    names = [*result.ranked(f.name for f in result.filters), *(e.name for e in result.engines if e.scored == "outages")]
     rows = tuple(
         (*outage_cells(own), own.motion, *(
             "—" if m is None else f"{number_text(m.mean)} / {number_text(m.max)} / {number_text(m.end)} m"
@@ -175,13 +175,14 @@ def _left_out(processes: tuple[str, ...]) -> str:
 
 def filters(result: Result) -> Table:
     """Return the filters with their states and innovations."""
+    known = {f.name: f for f in result.filters}
     rows = tuple(
         (
             f.name, str(len(f.states)), f.gyros, f.accelerometers, f.reading, f"{f.nis_position:.2f}",
             "—" if f.nis_velocity is None else f"{f.nis_velocity:.2f}", str(f.refused), _yes(f.causal),
             _left_out(f.left_out),
         )
-        for f in result.filters
+        for f in (known[name] for name in result.ranked(known))
     )  # fmt: skip
     rows += tuple((name, "cannot run", *("—",) * 7, reason) for name, reason in result.failed.items())
     headings = (

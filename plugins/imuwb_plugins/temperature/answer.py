@@ -1,17 +1,19 @@
 """The answer of noise over temperature: what follows temperature, and by how much."""
 
 from imuwb.analysis import Answer, Step
+from imuwb.identification.temperature import CONTRADICTED
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN
 from imuwb.statistics.distributions import normal_limit
 from imuwb.texts import coefficient_cell, counted, decimals, number_text
 from imuwb.units import UNITS, coefficient_units
-from imuwb_plugins.temperature.axis_result import NAMES
+from imuwb_plugins.temperature.axis_result import NAMES, kept_constant
 from imuwb_plugins.temperature.result import Result, TemperatureAxis, lag_sentence
 
 DRIVE = Step("imuwb outage DRIVE --error-model {model}", "a drive with this sensor at its temperature")
 _BIAS = {"gyro": UNITS["deg/h"], "accel": UNITS["mg"]}
 COLUMNS = ("bias change", "depends")  #: last headings
+STAR = "*"  #: marks what is constant in the model although its test finds a dependence
 TESTED = ("N", "B", "K", "bias")
 
 
@@ -21,7 +23,7 @@ def answer(result: Result) -> Answer:
     cold, hot = first.by_temperature[0].temperature, first.by_temperature[-1].temperature
     rows = [row for sensor in by_sensor(result.axes) for row in (*rows_of(result, sensor), units_of(sensor))]
     headings = ("", f"N at {number_text(cold)} °C", f"N at {number_text(hot)} °C", *COLUMNS)
-    tested = f"What depends on temperature (tests of which {100 * result.size:g} of 100 err) is a function of it in the model."
+    tested = _tested(result)
     sentences = [f"{note[:1].upper()}{note[1:]}." for note in _important(result)][:2]
     sentences.insert(1 if any(one.removed for one in result.lags) else 0, tested)
     return Answer(
@@ -47,6 +49,19 @@ def units_of(sensor: str) -> tuple[str, ...]:
     return ("", unit, unit, _BIAS[sensor].name, "")
 
 
+def _tested(result: Result) -> str:
+    """Return how often the tests err, and what they mean for the error model."""
+    wrong = f"{100 * result.size:g} % err"
+    if not any(STAR in _follow(own) for own in result.axes.values()):
+        return f"What depends on temperature (tests of which {wrong}) is a function of it in the model."
+    tests = [own.dependence.by_coefficient.get(name) for own in result.axes.values() for name in TESTED]
+    count = sum(test is not None and test.depends is not None for test in tests)
+    return (
+        f"Of these {count} tests {wrong}. What depends is a function of temperature in the model; {STAR} constant: a function needs "
+        f"p < {CONTRADICTED:g} or must predict better."
+    )
+
+
 def _important(result: Result) -> list[str]:
     """Return what is said beside the figures: first lags that were removed, then doubts."""
     removed = [lag_sentence(one) for one in result.lags if one.removed]
@@ -62,7 +77,11 @@ def _change(own: TemperatureAxis, level: float, unit: float) -> str:
 
 
 def _follow(own: TemperatureAxis) -> str:
-    """Return what depends on temperature, by its test."""
+    """Return what depends on temperature, by its test; a star marks what the error model keeps constant nevertheless."""
     tests = own.dependence.by_coefficient
-    names = [NAMES[name] for name in TESTED if (test := tests.get(name)) is not None and test.depends]
+    names = [
+        f"{NAMES[name]}{STAR if kept_constant(own, name) else ''}"
+        for name in TESTED
+        if (test := tests.get(name)) is not None and test.depends
+    ]
     return ", ".join(names) or "nothing"

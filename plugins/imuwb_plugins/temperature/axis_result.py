@@ -1,10 +1,12 @@
 """From one axis over temperature to its result."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from imuwb.identification.temperature import (
+    CONTRADICTED,
     AxisTemperatures,
     Dependence,
     Law,
@@ -111,9 +113,32 @@ def _function(law: Law, over: AxisTemperatures, offset: float) -> FunctionResult
 
 def _dependence(over: AxisTemperatures) -> DependenceResult:
     white = over.dependence["N"]
-    text = {name: dependence_text(name, test) for name, test in over.dependence.items()}
+    text = {name: dependence_text(name, test) + _kept(name, test, over) for name, test in over.dependence.items()}
     p_value, depends = (None, None) if white is None else (white.p_value, white.depends)
     return DependenceResult(p_value, depends, text, over.dependence)
+
+
+def _kept(name: str, test: Dependence | None, over: AxisTemperatures) -> str:
+    """Return why the error model has a constant although the test of a quantity finds a dependence."""
+    law = over.laws.get(name)
+    if (
+        test is None
+        or law is None
+        or law.choice is None
+        or not _is_kept(test.depends, law.choice.function.kind, law.choice.candidates)
+    ):
+        return ""
+    return f"; constant in the model: a function needs p < {CONTRADICTED:g}, or must predict better"
+
+
+def kept_constant(own: TemperatureAxis, name: str) -> bool:
+    """Return whether cross-validation keeps a quantity constant in the error model although its test finds a dependence."""
+    test, law = own.dependence.by_coefficient.get(name), own.functions.get(name)
+    return test is not None and law is not None and _is_kept(test.depends, law.kind, law.candidates)
+
+
+def _is_kept(depends: bool | None, kind: str | None, candidates: Sequence[object]) -> bool:  # noqa: FBT001 - None: not tested
+    return depends is True and kind == "constant" and bool(candidates)
 
 
 def dependence_text(name: str, test: Dependence | None) -> str:

@@ -69,10 +69,14 @@ def test_a_sweep_lists_the_worst(swept):
     def overlap(one, other):
         return one.start < other.start + other.duration and other.start < one.start + one.duration
 
+    best_first = swept.summary[-1].ranked
+    assert table.headings[4:] == tuple(best_first)
+    errors = [figure.title for figure in shown.figures if ": errors in " in figure.title]
+    assert [title.partition(":")[0] for title in errors] == best_first
     for i, one in enumerate(listed):
         assert not any(overlap(one, other) for other in listed[:i])
         ends = [float(cell.split(" / ")[2].split()[0]) for cell in table.rows[i][4:]]
-        assert ends == pytest.approx([m.end for m in one.models.values()], rel=6e-3)
+        assert ends == pytest.approx([one.models[name].end for name in best_first], rel=6e-3)
     least = min(map(best, listed)) if len(listed) == 20 else 0.0
     for one in swept.outages:  # what is left out is no worse, or overlaps with something worse
         if one not in listed:

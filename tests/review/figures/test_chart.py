@@ -141,7 +141,7 @@ def test_no_text_hides_a_curve_or_another_text(size, crowd, kind, line, drawn, b
 
 def test_the_legend_has_the_values_of_marks_after_the_curves(line, drawn):
     marks = [Mark(1.0, 1.0, "N x", (1, 2, 3), "2.4 deg/√h"), Mark(3.0, 2.0, "N y", (4, 5, 6))]
-    labels = drawn(line([1.0, 10.0], [1.0, 2.0], marks=marks)).labels()
+    labels = drawn(line([1.0, 10.0], [1.0, 20.0], marks=marks)).labels()
     assert labels[-3:] == ["c", "N x 2.4 deg/√h", "N y"]
     assert "1" not in labels
 

@@ -52,6 +52,19 @@ def test_linear_labels(limits, labels):
     assert [t.label for t in Scale.around("linear", [], limits).ticks()] == labels
 
 
+@pytest.mark.parametrize(
+    ("limits", "labels"),
+    [
+        ((0.4, 3.0), ["0.5", "1", "2"]),
+        ((30.0, 700.0), ["50", "100", "200", "500"]),
+        ((4e-6, 3e-5), ["5·10⁻⁶", "10⁻⁵", "2·10⁻⁵"]),
+        ((1.0, 10.0), ["10⁰", "10¹"]),
+    ],
+)
+def test_an_axis_of_one_decade_has_more_labels_than_one(limits, labels):
+    assert [t.label for t in Scale.around("log", [], limits).ticks() if t.label] == labels
+
+
 def test_decades_are_labelled_and_their_digits_are_not():
     ticks = Scale.around("log", [], (0.1, 100)).ticks()
     assert [t.label for t in ticks if t.label] == ["10⁻¹", "10⁰", "10¹", "10²"]
