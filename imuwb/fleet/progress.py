@@ -53,6 +53,11 @@ def faults_text(faults: Counter[str]) -> str:
     return f"{count or 'no'} fault{'' if count == 1 else 's'}" + (f" ({kinds})" if kinds else "")
 
 
+def quarantined_text(count: int) -> str:
+    """Return how many logs are in quarantine."""
+    return f"{count} {'is' if count == 1 else 'are'} in quarantine"
+
+
 def time_text(seconds: float) -> str:
     """Return a time in the unit that suits it."""
     if seconds < 2 * SECONDS_A_MINUTE:

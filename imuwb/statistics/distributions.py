@@ -15,7 +15,6 @@ from imuwb.arrays import Floats
 
 scipy: Any = lazy_loader.load("scipy")
 _NORMAL = NormalDist()
-NORMAL = 1e-4  #: skewness of a variable that counts as normal
 EXTREME = 37.0  #: largest normal value whose tail is a number
 
 
@@ -63,22 +62,6 @@ def pearson3_quantile(probability: float, skewness: float) -> float:
     return float((cast("Floats", scipy.special.gammaincinv(shape, probability)) - shape) / shape**0.5)
 
 
-def pearson3_score(value: ArrayLike, skewness: ArrayLike) -> Floats:
-    """Return the standard normal values that are as improbable as values of Pearson III variables: mean 0, variance 1.
-
-    Args:
-        value: (n,) standardised values.
-        skewness: (n,) of either sign; below 1e-4 the variable counts as normal.
-    """
-    x, skew = np.broadcast_arrays(np.asarray(value, float), np.asarray(skewness, float))
-    turned = np.sign(skew) + (skew == 0)
-    shape = 4 / np.maximum(np.abs(skew), NORMAL) ** 2
-    at = np.maximum(shape + turned * x * np.sqrt(shape), 0.0)
-    low, high = scipy.special.gammainc(shape, at), scipy.special.gammaincc(shape, at)
-    score = np.where(low < high, scipy.special.ndtri(low), -scipy.special.ndtri(high))
-    return np.where(np.abs(skew) < NORMAL, x, np.clip(turned * score, -EXTREME, EXTREME))
-
-
 def student_score(value: ArrayLike, freedom: ArrayLike) -> Floats:
     """Return the standard normal values that are as improbable as values of Student variables."""
     tail = scipy.special.ndtri(scipy.special.stdtr(freedom, -np.abs(np.asarray(value, float))))
@@ -90,12 +73,12 @@ def normal_tails(score: ArrayLike) -> Floats:
     return 2 * scipy.special.ndtr(-np.abs(np.asarray(score, float)))
 
 
-def log_gamma_cumulants(half: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    """Return mean, variance and third cumulant of the logarithm of a chi-square variable over its degrees of freedom.
+def log_gamma_moments(half: ArrayLike) -> tuple[Floats, Floats]:
+    """Return mean and variance of the logarithm of a chi-square variable over its degrees of freedom.
 
     Args:
         half: half of the degrees of freedom.
     """
     half = np.asarray(half, dtype=np.float64)
     mean = scipy.special.digamma(half) - np.log(half)
-    return mean, scipy.special.polygamma(1, half), scipy.special.polygamma(2, half)
+    return mean, scipy.special.polygamma(1, half)

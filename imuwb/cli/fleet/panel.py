@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 
 from imuwb.analysis import Answer, Step
 from imuwb.cli.terminal import print_panel
-from imuwb.fleet.progress import faults_text
+from imuwb.fleet.progress import faults_text, quarantined_text
 from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import file_of
 from imuwb.fleet.store import Store
@@ -48,7 +48,7 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
     sensors = {(row["vehicle"], row["serial"]) for row in logs if row["serial"] is not None}
     named = sum(row["serial"] is not None for row in logs)
     sentences = [
-        f"{state.done} of {state.logs} logs gave a result, {state.quarantined} are in quarantine: {faults_text(kinds)}."
+        f"{state.done} of {state.logs} logs gave a result, {quarantined_text(state.quarantined)}: {faults_text(kinds)}."
     ]
     if named < len(logs):
         sentences.append(

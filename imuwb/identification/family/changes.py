@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +11,7 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.family.maximum import COARSE, largest_tail
 from imuwb.identification.family.observations import Observations
-from imuwb.identification.family.scores import freedom, score
+from imuwb.identification.family.scores import Errors, far, freedom, in_tails, score
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_tails, student_limit
 
@@ -42,7 +43,7 @@ class _Logs:
     time: Floats  #: (g, m) s from the first
     y: Floats
     a: Floats  #: (g, m) inverse variances
-    third: Floats  #: (g, m)
+    half: Floats  #: (g, m) half of the degrees of freedom
 
     @property
     def splits(self) -> Booleans:
@@ -56,7 +57,6 @@ class _Contrasts:
 
     size: Floats  #: (g, k)
     variance: Floats  #: (g, k)
-    third: Floats  #: (g, k) third cumulant
     shared: Floats  #: (g, k) sum of the squared weights, by which the variance from log to log counts
     there: Booleans  #: (g, k) whether the sensor has this contrast
 
@@ -82,7 +82,7 @@ def changes(rows: Observations, within: float, error: float, level: float, teste
         table = table[rows.time[table[:, -1]] > rows.time[table[:, 0]]]
         if table.size:
             time = rows.time[table] - rows.time[table[:, :1]]
-            own = _Logs(table, time, rows.y[table], 1 / (rows.variance[table] + within), rows.third[table])
+            own = _Logs(table, time, rows.y[table], 1 / (rows.variance[table] + within), rows.half[table])
             found += _largest(own, rows.sensor[table[:, 0]], error, level)
     return sorted(found, key=lambda change: change.sensor)
 
@@ -95,9 +95,11 @@ def _largest(logs: _Logs, sensors: Integers, error: float, level: float) -> list
     ]
     whole = _Contrasts(*(
         np.concatenate([getattr(part, name) for part in parts.values()], axis=1)
-        for name in ("size", "variance", "third", "shared", "there")
+        for name in ("size", "variance", "shared", "there")
     ))  # fmt: skip
-    scores = np.where(whole.there, score(whole.size, whole.variance, whole.third, whole.shared**2 * error), 0.0)
+    scores = np.where(whole.there, score(whole.size, whole.variance, whole.shared**2 * error), 0.0)
+    tail = far(scores)
+    scores[tail] = in_tails(scores[tail], whole.variance[tail], _errors(logs, kinds, *np.nonzero(tail)))
     freedoms = freedom(whole.variance, whole.shared**2 * error)
     found: list[Change] = []
     trend, others = parts["step"].size.shape[1], parts["log"].size.shape[1]
@@ -114,6 +116,19 @@ def _largest(logs: _Logs, sensors: Integers, error: float, level: float) -> list
                         (int(logs.rows[i, pair[0]]), int(logs.rows[i, pair[1]])))  # fmt: skip
         found.append(change)
     return found
+
+
+def _errors(logs: _Logs, kinds: Sequence[tuple[Kind, int]], sensors: Integers, places: Integers) -> Errors:
+    """Return the errors of the logs in some contrasts: each of a sensor, and at a place of ``kinds``."""
+    kind, at = (
+        np.array([name for name, _ in kinds])[places][:, None],
+        np.array([one for _, one in kinds])[places][:, None],
+    )
+    a, log = logs.a[sensors], np.arange(logs.a.shape[1])
+    own = np.where(kind == "log", log == at + 1, log > at)
+    after, before = (part / part.sum(axis=1, keepdims=True) for part in (a * own, a * ~own))
+    weight = np.where(kind == "trend", _along(logs)[sensors], after - before)
+    return Errors(weight.ravel(), logs.half[sensors].ravel(), np.repeat(np.arange(sensors.size), log.size))
 
 
 def _named(logs: _Logs, kind: Kind, place: int) -> tuple[Kind, int, tuple[int, int]]:
@@ -152,21 +167,25 @@ def _splits(logs: _Logs) -> _Contrasts:
         return before, values.sum(axis=1, keepdims=True) - before
 
     a = logs.a
-    (w, u), (wy, uy), (wt, ut), (ws, us) = map(parts, (a, a * logs.y, a**3 * logs.third, a**2))
-    return _Contrasts(uy / u - wy / w, 1 / w + 1 / u, ut / u**3 - wt / w**3, ws / w**2 + us / u**2, logs.splits)
+    (w, u), (wy, uy), (ws, us) = map(parts, (a, a * logs.y, a**2))
+    return _Contrasts(uy / u - wy / w, 1 / w + 1 / u, ws / w**2 + us / u**2, logs.splits)
 
 
 def _trend(logs: _Logs) -> _Contrasts:
     """Return the change of the least-squares line over all logs."""
-    a, span = logs.a, logs.time[:, -1:]
+    weight = _along(logs)
+    size, variance, shared = (
+        part.sum(axis=1, keepdims=True) for part in (weight * logs.y, weight**2 / logs.a, weight**2)
+    )
+    return _Contrasts(size, variance, shared, logs.splits.sum(axis=1, keepdims=True) >= FEWEST_FOR_TREND - 1)
+
+
+def _along(logs: _Logs) -> Floats:
+    """Return the weights of the logs in the change of a line, (g, m)."""
+    a = logs.a
     mean = (a * logs.time).sum(axis=1, keepdims=True) / a.sum(axis=1, keepdims=True)
-    away = (logs.time - mean) / span
-    square = (a * away**2).sum(axis=1, keepdims=True)
-    weight = a * away / square
-    sums = ((part).sum(axis=1, keepdims=True) for part in (weight * logs.y, weight**3 * logs.third, weight**2))
-    size, third, shared = sums
-    there = logs.splits.sum(axis=1, keepdims=True) >= FEWEST_FOR_TREND - 1
-    return _Contrasts(size, 1 / square, third, shared, there)
+    away = (logs.time - mean) / logs.time[:, -1:]
+    return a * away / (a * away**2).sum(axis=1, keepdims=True)
 
 
 def _single(logs: _Logs) -> _Contrasts:
@@ -177,11 +196,9 @@ def _single(logs: _Logs) -> _Contrasts:
         return (values.sum(axis=1, keepdims=True) - values)[:, 1:-1]
 
     u, own = others(a), logs.y[:, 1:-1]
-    third = logs.third[:, 1:-1] - others(a**3 * logs.third) / u**3
     return _Contrasts(
         own - others(a * logs.y) / u,
         1 / a[:, 1:-1] + 1 / u,
-        third,
         1 + others(a**2) / u**2,
         np.ones(own.shape, dtype=bool),
     )

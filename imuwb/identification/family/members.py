@@ -9,7 +9,7 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.family.observations import Observations
 from imuwb.identification.family.random_effects import RandomEffects, random_effects
-from imuwb.identification.family.scores import score
+from imuwb.identification.family.scores import Errors, far, in_tails, score
 from imuwb.statistics.distributions import normal_tails
 
 FEWEST = 5  #: sensors, for a family
@@ -25,17 +25,17 @@ class Members:
     logs: Integers  #: (k,) of each
     mean: Floats  #: (k,)
     variance: Floats  #: (k,) of the mean, from sampling and from log to log; not that between sensors
-    third: Floats  #: (k,) third cumulant of the mean
+    errors: Errors  #: of the logs in the means
 
     def of(self, rows: Booleans) -> Members:
         """Return some of the sensors."""
-        return Members(self.sensor[rows], self.logs[rows], self.mean[rows], self.variance[rows], self.third[rows])
+        return Members(self.sensor[rows], self.logs[rows], self.mean[rows], self.variance[rows], self.errors.of(rows))
 
     def family(self, start: RandomEffects | None = None) -> RandomEffects:
         """Return mean and spread of the sensors; ``start``: those of nearly the same sensors."""
-        unknown = np.full(self.mean.size, np.nan)
+        unknown, normal = np.full(self.mean.size, np.nan), np.full(self.mean.size, np.inf)
         rows = Observations(
-            np.arange(self.mean.size), self.mean, self.variance, self.third, unknown, unknown, logarithmic=True
+            np.arange(self.mean.size), self.mean, self.variance, normal, unknown, unknown, logarithmic=True
         )
         return random_effects(rows, start=start)
 
@@ -54,11 +54,9 @@ def members(rows: Observations, within: float) -> Members:
     a = 1 / (rows.variance + within)
     weight, count = rows.sums(a), rows.sums(np.ones_like(a)).astype(np.int64)
     there = count > 0
-    every = Members(
-        np.arange(rows.sensors), count, *(part / np.where(there, weight**power, 1) for part, power in (
-            (rows.sums(a * rows.y), 1), (np.ones(rows.sensors), 1), (rows.sums(a**3 * rows.third), 3),
-        )),
-    )  # fmt: skip
+    whole = np.where(there, weight, 1.0)
+    errors = Errors(a / whole[rows.sensor], rows.half, rows.sensor)
+    every = Members(np.arange(rows.sensors), count, rows.sums(a * rows.y) / whole, 1 / whole, errors)
     return every.of(there)
 
 
@@ -95,4 +93,7 @@ def _scores(sensors: Members, family: RandomEffects, *, new: bool = False) -> Fl
     """Return the distances of sensors from the mean of a family; ``new``: of sensors that it was fitted without."""
     variance = family.between + sensors.variance + (float(family.covariance[0, 0]) if new else 0.0)
     error = np.full(variance.size, family.errors[0])
-    return score(sensors.mean - family.coefficients[0], variance, sensors.third, error)
+    scores = score(sensors.mean - family.coefficients[0], variance, error)
+    tail = far(scores)
+    scores[tail] = in_tails(scores[tail], variance[tail], sensors.errors.of(tail))
+    return scores

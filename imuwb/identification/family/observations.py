@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats, Integers
-from imuwb.statistics.distributions import chi_square_quantile, log_gamma_cumulants, normal_limit
+from imuwb.statistics.distributions import chi_square_quantile, log_gamma_moments, normal_limit
 
 NARROWEST = 1e-9  #: relative width of an interval; a narrower one is of a value that is known, not estimated
 #: degrees of freedom: a square with fewer has no interval above 0; one with more has an error that is as good as normal
@@ -23,7 +23,7 @@ class Observations:
     sensor: Integers  #: (n,) number of the sensor, from 0; each number occurs
     y: Floats  #: (n,) natural logarithm of the value, without the mean error of a logarithm; or the value, on a linear scale
     variance: Floats  #: (n,) of the sampling error of y
-    third: Floats  #: (n,) third cumulant of the sampling error of y
+    half: Floats  #: (n,) half of the degrees of freedom of the square, whose logarithm makes the sampling error; inf: the error is normal
     time: Floats  #: (n,) s; nan: not known
     temperature: Floats  #: (n,) °C; nan: not known
     logarithmic: bool
@@ -39,7 +39,7 @@ class Observations:
 
     def of(self, rows: Booleans) -> Observations:
         """Return some rows; the sensors keep their numbers."""
-        parts = (getattr(self, name)[rows] for name in ("sensor", "y", "variance", "third", "time", "temperature"))
+        parts = (getattr(self, name)[rows] for name in ("sensor", "y", "variance", "half", "time", "temperature"))
         return Observations(*parts, logarithmic=self.logarithmic)
 
     def at(self, slope: float, reference: float) -> Observations:
@@ -55,8 +55,8 @@ def observations(
     """Return estimates on the scale on which they are compared; rows without an interval must be left out before (``usable``).
 
     A coefficient whose square is estimated has an error that is about the logarithm of a chi-square variable; its degrees of freedom
-    follow from the ratio of the ends of its interval. Its logarithm then has the variance ψ'(ν/2)/4, the mean error (ψ(ν/2) - ln(ν/2))/2
-    and the third cumulant ψ''(ν/2)/8 (Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 17.8).
+    follow from the ratio of the ends of its interval. Its logarithm then has the variance ψ'(ν/2)/4 and the mean error
+    (ψ(ν/2) - ln(ν/2))/2 (Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 17.8).
 
     Args:
         sensor: (n,) number of the sensor.
@@ -71,17 +71,17 @@ def observations(
     """
     unknown = np.full(value.size, np.nan)
     time, temperature = (unknown if x is None else np.asarray(x, float) for x in (time, temperature))
-    third = np.zeros(value.size)
+    half = np.full(value.size, np.inf)
     if not logarithmic:
         variance = ((upper - lower) / (2 * normal_limit(level))) ** 2
-        return Observations(sensor, value.astype(float), variance, third, time, temperature, logarithmic=False)
+        return Observations(sensor, value.astype(float), variance, half, time, temperature, logarithmic=False)
     y, width = np.log(value), np.log(upper / lower)
     variance = (width / (2 * normal_limit(level))) ** 2
     if squares:
         half = degrees_of_freedom(width, level) / 2
-        mean, variance, third = log_gamma_cumulants(half)
-        y, variance, third = y - mean / 2, variance / 4, third / 8
-    return Observations(sensor, y, variance, third, time, temperature, logarithmic=True)
+        mean, variance = log_gamma_moments(half)
+        y, variance = y - mean / 2, variance / 4
+    return Observations(sensor, y, variance, half, time, temperature, logarithmic=True)
 
 
 def usable(value: Floats, lower: Floats, upper: Floats, *, logarithmic: bool = True) -> Booleans:
