@@ -45,5 +45,5 @@ def _family(group: Group, judged: Judged) -> dict[str, object]:
         **_key(group), "unit": group.unit, "sensors": int(judged.sensors.sensor.size), "values": int(judged.kept.sum()),
         "mean": in_si(group, judged.mean), "range_of_sensors": in_si(group, judged.sensor_range), "limits": limits,
         "relative": group.observations.logarithmic, "between_sensors": judged.between, "from_log_to_log": judged.within,
-        "per_degree": None if judged.slope is None else judged.slope, "not_counted": dict(group.left_out),
+        "per_degree": None if judged.slope is None else judged.slope, "heavy_tails": judged.tails, "not_counted": dict(group.left_out),
     }  # fmt: skip

@@ -18,7 +18,7 @@ from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import SUSPICIOUS
-from imuwb.identification.family import Judged, Judgement, judge
+from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import student_limit
@@ -92,6 +92,11 @@ class FleetReport:
     def kinds(self) -> Counter[str]:
         """Return how many logs there are of each kind of fault."""
         return Counter(kind for _, kind in sorted({(one.path, one.kind) for one in self.worthless}))
+
+    @property
+    def tails(self) -> float | None:
+        """Return the probability that chance makes the tails of normal sensors so heavy; None: it cannot be told."""
+        return tails_together([one.tails for one in self.judged if one.tails is not None])
 
     def see(self, key: str) -> str:
         """Return the command that makes the recording of a log."""

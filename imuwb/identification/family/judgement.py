@@ -13,6 +13,7 @@ from imuwb.identification.family.members import Members, Outside, members, outsi
 from imuwb.identification.family.observations import Observations
 from imuwb.identification.family.random_effects import random_effects
 from imuwb.identification.family.spread import between_spread, within_spread
+from imuwb.identification.family.tails import heavy_tails
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import normal_tails, student_limit, student_score
 
@@ -48,6 +49,7 @@ class Judged:
     sensor_limits: tuple[float, float]  #: beyond which a sensor is outside the family at the error of the fleet
     outside: tuple[Outside, ...]
     changes: tuple[Change, ...]  #: each with its probability over the whole fleet
+    tails: float | None  #: probability that chance makes the tails of normal sensors so heavy; None: it cannot be told
 
     @property
     def found(self) -> frozenset[int]:
@@ -184,4 +186,5 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     return Judged(
         state.rows, state.kept, slope, sensors, Estimate(mean, mean - t * sigma, mean + t * sigma, sigma), between, within,
         ranged(spread + sigma**2), ranged(own + fit.within + sampling), (mean - far, mean + far), out, tuple(state.found),
+        heavy_tails(inside, family),
     )  # fmt: skip

@@ -14,6 +14,7 @@ from imuwb.identification.family.members import members, outside
 from imuwb.identification.family.observations import degrees_of_freedom, usable
 from imuwb.identification.family.scores import Errors, in_tails
 from imuwb.identification.family.spread import between_spread, within_spread
+from imuwb.identification.family.tails import heavy_tails, tails_together
 from imuwb.statistics.distributions import chi_square_limits, student_score
 
 MONTH = 30 * 86400.0
@@ -264,3 +265,29 @@ def test_intervals_of_the_spread_have_the_stated_tails():
 def test_logs_of_one_time_have_no_change():
     rows = rows_of(np.repeat([0, 1], 3), np.array([1.0, 2, 9, 4, 5, 6]), 0.01, np.zeros(6))
     assert changes(rows, 0.0, 0.0, 0.95, np.ones(6, dtype=bool)) == []
+
+
+def tails_of(drawn, variance=1e-4, half=np.inf):
+    own = members(rows_of(np.arange(drawn.size), drawn, variance, half=half), 0.0)
+    return heavy_tails(own, own.family())
+
+
+def test_heavy_tails_are_named_and_normal_ones_at_most_as_often_as_stated():
+    rng = np.random.default_rng(15)
+    normal = np.array([tails_of(rng.standard_normal(60)) for _ in range(200)])
+    assert 0 < np.mean(normal <= 0.1) < 0.17
+    heavy = [tails_of(rng.standard_t(4, 400)) for _ in range(5)]
+    assert max(heavy) < 0.01
+    # The kurtosis is scipy's, where sampling errors are negligible.
+    drawn = rng.standard_normal(80) ** 3
+    assert tails_of(drawn, 1e-12) == pytest.approx(stats.kurtosistest(drawn, alternative="greater").pvalue, rel=1e-6)
+
+
+def test_tails_are_not_told_from_few_or_uncertain_sensors():
+    rng = np.random.default_rng(16)
+    assert tails_of(rng.standard_normal(19)) is None
+    assert tails_of(0.1 * rng.standard_normal(60), 0.07, half=4.0) is None
+    assert tails_together([]) is None
+    assert tails_together([0.004, 0.9, 0.9]) == pytest.approx(0.024)
+    assert tails_together([0.02] * 4) == pytest.approx(2 * stats.norm.sf(2 * stats.norm.isf(0.02)))
+    assert tails_together([0.0, 1.0]) == 0.0
