@@ -3,11 +3,14 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from imuwb.fleet.progress import quarantined_text
+from imuwb.fleet.report.answer import answer
 from imuwb.fleet.report.groups import sensor_groups
 from imuwb.fleet.report.outages import DRIFT, RATIO
 from imuwb.fleet.report.result import fleet_report
@@ -207,3 +210,18 @@ def test_wrong_options_are_refused(imuwb, tmp_path, options, said):
     done = imuwb("fleet", "report", write(tmp_path / "results", rows_of(**FEW)), *options)
     assert done.code in (2, 4)
     assert said in done.err
+
+
+def test_heavy_tails_between_sensors_are_said_where_they_are_sure():
+    found = report_of(rows_of(**FEW))
+    assert found.tails is None
+    heavy = replace(found, judged=(*found.judged[:-1], replace(found.judged[-1], tails=0.0)))
+    name = found.groups[-1].name
+    assert any(f"heavier tails than normal ones, most in {name}:" in one for one in answer(heavy).sentences)
+    unsure = replace(found, judged=tuple(replace(one, tails=0.5) for one in found.judged))
+    assert not any("heavier tails" in one for one in answer(unsure).sentences)
+
+
+def test_one_log_is_in_quarantine_and_two_are():
+    assert quarantined_text(1) == "1 is in quarantine"
+    assert quarantined_text(2) == "2 are in quarantine"
