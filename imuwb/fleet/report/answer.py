@@ -48,7 +48,10 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     yield from _outages(report)
     if (tails := report.tails) is not None and tails <= report.error:
         told = [(j.tails, what(g)) for g, j in zip(report.groups, report.judged, strict=True) if j.tails is not None]
-        yield f"Sensors differ with heavier tails than normal ones, most in {min(told)[1]}: one out of family may belong to it."
+        yield (
+            f"Without the findings, sensors differ in {min(told)[1]} with heavier tails than normal ones: a sensor out of family may be in "
+            "such a tail, and one that is not found may be out of family."
+        )
     warm = [what(g) for g, j in zip(report.groups, report.judged, strict=True) if j.slope is not None and j.slope.used]
     if warm:
         yield f"Temperature changes {', '.join(warm[:4])}{' and more' if len(warm) > 4 else ''}: values are compared at one temperature."  # noqa: PLR2004
