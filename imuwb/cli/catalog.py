@@ -84,7 +84,7 @@ def _serve(folder: Path, port: int) -> None:
     address = f"rerun+http://127.0.0.1:{port}"
     typer.echo(
         f"look at it with: rerun {address}\n"
-        "It shows a row for each recording and a column for each property. It does not show the tabs of a recording that it opens, "
+        "A click on imuwb at the left shows a row for each recording and a column for each property. It does not show the tabs of a recording that it opens, "
         "and no file of a folder below; for the tabs, open the file: imuwb view FILE.rrd\nCtrl-C stops it.",
         err=True,
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from imuwb.analysis import Series
 from imuwb.arrays import Floats, Integers
-from imuwb.colors import AXIS_COLORS, GREY, INK
+from imuwb.colors import AXIS_COLORS, GREY
 from imuwb.geodesy import euler_of_quaternion
 from imuwb.log import SECOND
 from imuwb.navigation.filter import axis_errors
@@ -128,7 +128,7 @@ def _biases(replay: Replay, best: str) -> Iterator[Series]:
             looks += [(axis, (*AXIS_COLORS[axis], 255)), *((axis, (*AXIS_COLORS[axis], FAINT)),) * 2]
             if true is not None:
                 parts.append(np.interp(solution.time, true[0], true[1][:, first + i]))
-                looks.append(("true", (*INK, FAINT)))
+                looks.append(("true", (*GREY, 255)))  # visible on a light background too
         kept = slice(None, None, -(-solution.time.size // MOST))
         values = np.stack(parts, axis=1)[kept] * factor
         yield _series(

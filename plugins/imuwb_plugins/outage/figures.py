@@ -30,6 +30,7 @@ COLORS: dict[str, Color] = {
 }  # fmt: skip
 SOURCES: tuple[Color, ...] = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW)
 OTHERS: tuple[Color, ...] = (PINK, PALE, between(ORANGE, INK, 0.5))
+AIR = 1.2  #: factor between the largest error and the end of its axis
 TIME, ERROR = "time without GNSS [s]", "horizontal error [m]"
 
 
@@ -53,7 +54,11 @@ def drift(own: DurationSummary) -> Figure:
         curves.append(Curve(name, s.curve.elapsed, s.curve.median, colors[name], style="curve"))
         curves.append(Curve("", s.curve.elapsed, s.curve.p95, colors[name], style="faint"))
     title = f"Drift in outages of {own.duration:g} s: median, and 95 % quantile (faint)"
-    return Figure(title, TIME, ERROR, tuple(curves), x_scale="linear")
+    shown = np.concatenate([curve.y for curve in curves])
+    shown = shown[np.isfinite(shown) & (shown > 0)]
+    # Faint curves do not set the limits of a figure, but the panel states where the 95 % quantile ends.
+    limits = (float(shown.min()) / AIR, float(shown.max()) * AIR) if shown.size else None
+    return Figure(title, TIME, ERROR, tuple(curves), x_scale="linear", y_limits=limits)
 
 
 def consistency(own: DurationSummary) -> Figure:

@@ -199,4 +199,4 @@ def _worst(table: TableComparison) -> str:
     if not differing:
         return ""
     worst = max(differing, key=lambda r: abs(math.log(r.ratio)))
-    return f"{worst.quantity}, {worst.item.replace('_', ' ')}: {worst.ratio:.2f} times"
+    return f"{worst.ratio:.2f} times: {worst.quantity}, {worst.item.replace('_', ' ')}"  # the ratio is never cut
