@@ -29,7 +29,7 @@ def _page(name: str, result: Reproduction) -> str:
         f"(paper-{name})=\n# {result.title}", result.source, f"```console\n$ imuwb reproduce {name}\n```", f"Ours: {result.data}.",
         result.rule, *map(_table, result.tables), "## Figures",
         table(("figure", "what", "made with"), [(f.number, f.title, f.reason or f"`{f.command}`") for f in result.figures]),
-        "## Equations", table(("equation", "what", "where"), [(e.number, e.title, f"`{e.command}`") for e in result.equations]),
+        "## Equations", table(("equation", "what", "where"), [(e.number, ". ".join((e.title, *e.readings)), f"`{e.command}`") for e in result.equations]),
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
 

@@ -45,7 +45,7 @@ def draw(result: Reproduction, review: Review) -> None:
         for figure in figures:
             _figure(figure, review)
     review.tab("Equations")
-    rows = tuple((e.number, e.title, e.command) for e in result.equations)
+    rows = tuple((e.number, ". ".join((e.title, *e.readings)), e.command) for e in result.equations)
     review.table(Table("Equations", ("number", "what", "where imuwb has it"), rows, wide=True))
 
 
