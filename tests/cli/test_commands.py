@@ -74,7 +74,18 @@ def test_allan_leaves_a_recording_json_and_a_model(imuwb, static_mcap, tmp_path)
     assert "deg/√h" in done.out
     assert (tmp_path / "static.rrd").stat().st_size > 10_000
     document = json.loads((tmp_path / "out.json").read_text("utf-8"))
-    assert set(document) == {"run", "imuwb", "schema", "analysis", "level", "logs", "params", "notes", "result"}
+    assert set(document) == {
+        "run",
+        "imuwb",
+        "schema",
+        "analysis",
+        "level",
+        "logs",
+        "params",
+        "notes",
+        "answer",
+        "result",
+    }
     assert (document["analysis"], document["schema"], document["level"]) == ("allan", 1, 0.95)
     assert document["logs"][0]["hash"].startswith("sha256:")
     assert list(document["result"]["axes"]) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]

@@ -1,4 +1,4 @@
-"""From a bench record to a drive, by default options: the error model of a real still sensor replays a simulated and a real drive."""
+"""From a bench record to a drive, filters of the bench: the error model of a real still sensor replays a simulated and a real drive."""
 
 import json
 from pathlib import Path
@@ -26,6 +26,8 @@ def test_the_model_of_a_real_bench_record_replays_a_drive(command, shared):
         *log,
         "--durations",
         "30",
+        "--models",
+        "15AV,full",
         "--error-model",
         "bench.error-model.toml",
         "-o",

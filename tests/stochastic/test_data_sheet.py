@@ -4,7 +4,15 @@ import pytest
 
 from imuwb.errors import UsageError
 from imuwb.simulation import preset, preset_names
-from imuwb.stochastic import FLICKER_LEVEL, Constant, FlickerNoise, ImuErrorModel, RandomWalk, WhiteNoise
+from imuwb.stochastic import (
+    FLICKER_LEVEL,
+    Autoregressive,
+    Constant,
+    FlickerNoise,
+    ImuErrorModel,
+    RandomWalk,
+    WhiteNoise,
+)
 from imuwb.stochastic import read_data_sheet as read
 
 DEGREE = math.pi / 180
@@ -52,6 +60,6 @@ def test_every_published_sensor_has_a_source_a_grade_and_white_noise_of_both_sen
         assert model.provenance["source"]
         assert model.provenance["grade"] in {"consumer", "industrial", "tactical", "navigation"}, name
         white = {axis.partition("_")[0] for axis, content in model.axes.items()
-                 if any(isinstance(t, WhiteNoise) for t in content.processes.terms)}  # fmt: skip
+                 if any(isinstance(t, WhiteNoise | Autoregressive) for t in content.processes.terms)}  # fmt: skip
         assert "gyro" in white, name
         assert "accel" in white or "white noise of the accelerometers" in model.provenance["note"], name

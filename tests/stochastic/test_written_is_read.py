@@ -31,6 +31,7 @@ from imuwb.stochastic import (
     of_either_sign,
 )
 from imuwb.stochastic.model_check import coefficient
+from imuwb.texts import sentence_of
 
 size = st.floats(0, 1e6)
 positive = st.floats(1e-9, 1e9)
@@ -43,7 +44,7 @@ process = st.one_of(
     st.builds(RateRamp, signed), st.builds(GaussMarkov, size, positive), st.builds(Sinusoid, size, positive),
     st.builds(Autoregressive, alpha, size, positive),
 )  # fmt: skip
-texts = st.text(st.characters(codec="utf-8"))
+texts = st.text(st.characters(codec="utf-8")).map(sentence_of)  # as all words of a document are cleaned
 temperatures = st.lists(st.floats(-60, 150), min_size=1, max_size=3, unique=True).map(sorted)
 
 

@@ -117,7 +117,7 @@ def test_a_topic_that_is_no_measurement_is_noted(by_hand, declared, some):
     log = read(by_hand(declared, other, some(0), message(1, T, struct.pack("<I", 2) + b"hi")))
     assert numbers(log) == [0, 1, 2, 3]
     assert ids(log.notes) == ("unused",)
-    assert "/chat: 1 messages of std_msgs/String" in log.notes[0]
+    assert "/chat: 1 message of std_msgs/String" in log.notes[0]
 
 
 @pytest.mark.parametrize("block", [1, 100, 5000])
@@ -287,7 +287,7 @@ def test_a_connection_without_a_definition_is_noted(by_hand, declared, some, imu
     log = read(by_hand(declared, bare, some(0), message(5, T, imu(9))))
     assert numbers(log) == [0, 1, 2, 3]
     assert ids(log.notes) == ("unused",)
-    assert "/bare: 1 messages of my_msgs/Own" in log.notes[0]
+    assert "/bare: 1 message of my_msgs/Own" in log.notes[0]
     assert "--messages" in log.notes[0]
 
 

@@ -260,7 +260,7 @@ def test_a_channel_that_cannot_be_decoded_is_noted_with_its_count(mcap, change, 
 def test_a_message_of_another_kind_is_noted(mcap, ros):
     topic = mcap.Topic([(T, ros.encode([("str", "hello")]))], "/chatter", "std_msgs/msg/String", "string data\n")
     (note,) = read(mcap.write(topic)).notes
-    assert (note.id, "/chatter: 1 messages of std_msgs/msg/String" in note) == ("unused", True)
+    assert (note.id, "/chatter: 1 message of std_msgs/msg/String" in note) == ("unused", True)
 
 
 def test_one_bad_channel_does_not_stop_another(mcap, ros):

@@ -22,7 +22,7 @@ def test_two_hundred_topics_give_a_few_lines(fresh, ros):
     assert f"and {100 - MOST_NAMES} more: 200 messages of {IMAGE}" in common
     assert "50 messages of std_msgs/msg/String" in common
     assert "--messages" not in common
-    assert "/own_0: 1 messages of own_msgs/msg/Kind0" in own
+    assert "/own_0: 1 message of own_msgs/msg/Kind0" in own
     assert f"{50 - MOST_TYPES} topics of {50 - MOST_TYPES} other types" in own
     assert "--messages" in own
 
