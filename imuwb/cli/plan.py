@@ -215,11 +215,11 @@ def _written(
     inputs: "Sequence[Path]", *, force: bool,
 ) -> None:  # fmt: skip
     from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait
-    from imuwb.review.answers.plan_answer import plan_figure, plan_table  # noqa: PLC0415
+    from imuwb.review.answers.plan_answer import by_length, plan_figure, plan_table  # noqa: PLC0415
     from imuwb.review.recording.answered import write_answer  # noqa: PLC0415 - the viewer's library is slow to import
 
     def draw(review: "Review") -> None:
-        for kind in ("gyro", "accel"):
+        for kind in by_length(found, ("gyro", "accel")):
             figure = plan_figure(found, sensor, wants, kind)
             if figure is not None:
                 review.figure(figure)

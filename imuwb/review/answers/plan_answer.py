@@ -84,9 +84,21 @@ def plan_table(plan: RecordPlan) -> Table:
     return Table("Lengths of a still record", ("axis", "term", "size", "wanted", "needs", reach), tuple(rows))
 
 
+def by_length(plan: RecordPlan, sensors: Sequence[str]) -> list[str]:
+    """Return sensors, the one first that needs the longest record: its figure shows the answer."""
+    return sorted(sensors, key=lambda sensor: -_longest(plan, sensor))
+
+
+def _longest(plan: RecordPlan, begin: str) -> float:
+    """Return the longest record that a coefficient needs of the axes whose names begin so, h; limits do not count."""
+    own = (need for need in plan.needs if need.axis.startswith(begin) and not need.at_limit)
+    return max((need.hours or 0.0 for need in own), default=0.0)
+
+
 def plan_figure(plan: RecordPlan, model: ImuErrorModel, wants: Mapping[str, float], sensor: str) -> Figure | None:
-    """Return the width of each coefficient against the length of the record, of a sensor's first axis; None without a curve."""
-    axis = next((axis for axis in model.axes if axis.startswith(sensor)), None)
+    """Return the width of each coefficient against the length of the record, of the axis that needs the longest; None without a curve."""
+    axes = [axis for axis in model.axes if axis.startswith(sensor)]
+    axis = max(axes, key=lambda name: _longest(plan, name), default=None)
     if axis is None or plan.hours is None:
         return None
     curves: list[Curve] = []

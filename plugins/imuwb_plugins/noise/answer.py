@@ -7,7 +7,7 @@ from imuwb.analysis import Answer, Finding, Step
 from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.texts import coefficient_cell, coefficient_text, counted, estimate_text, number_text
+from imuwb.texts import coefficient_cell, counted, estimate_text, number_text
 from imuwb.units import Unit, coefficient_units
 from imuwb_plugins.allan import imus_answer
 from imuwb_plugins.allan.answer import about_record
@@ -125,10 +125,11 @@ def _unit(axis: str, letter: str) -> Unit:
 def _of_many(repeatability: Repeatability) -> Answer:
     rows = tuple(
         (axis.replace("_", " "), coefficient_cell(own["N"].mean, _unit(axis, "N")), coefficient_cell(own["B"].mean, _unit(axis, "B")),
-         coefficient_text(repeatability.turn_on[axis].sigma, coefficient_units(axis, "rate")[1]) if axis in repeatability.turn_on else "—")
+         coefficient_cell(repeatability.turn_on[axis].sigma, _unit(axis, "rate")) if axis in repeatability.turn_on else "—")
         for axis, own in repeatability.coefficients.items()
     )  # fmt: skip
-    units = tuple(f"{letter} [{_unit('gyro_x', letter).name}; {_unit('accel_x', letter).name}]" for letter in "NB")
+    names = {"N": "N", "B": "B", "rate": "turn-on bias"}
+    units = tuple(f"{name} [{_unit('gyro_x', key).name}; {_unit('accel_x', key).name}]" for key, name in names.items())
     count = len(repeatability.names)
     differ = ", ".join(repeatability.differ)
     text = (
@@ -137,6 +138,6 @@ def _of_many(repeatability: Repeatability) -> Answer:
         else "No coefficient differs from log to log by more than chance explains."
     )
     return Answer(
-        f"{counted(count, 'log')} of one sensor", ("", *units, "turn-on to turn-on"), rows, (text,), (DRIVE,),
+        f"{counted(count, 'log')} of one sensor", ("", *units), rows, (text,), (DRIVE,),
         f"{100 * repeatability.level:g} % intervals",
     )  # fmt: skip
