@@ -26,7 +26,6 @@ myst_heading_anchors = 3
 smartquotes = False  # options begin with two hyphens
 html_theme = "furo"
 html_title = f"imuwb {version}"
-html_static_path = ["static"]
 html_show_sourcelink = False
 copybutton_prompt_text, copybutton_only_copy_prompt_lines = "$ ", True
 intersphinx_mapping = {
