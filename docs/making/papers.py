@@ -35,8 +35,7 @@ def _page(name: str, result: Reproduction) -> str:
 
 
 def _table(compared: TableComparison) -> str:
-    name = f"Table {compared.number}" if compared.number[0].isdigit() else compared.number.capitalize()
-    parts = [f"## {name}: {compared.title}"]
+    parts = [f"## {compared.name.capitalize()}: {compared.title}"]
     if compared.reason:
         return "\n\n".join([*parts, compared.reason])
     parts.append(f"Made with `{compared.command}`.")

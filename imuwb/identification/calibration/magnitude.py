@@ -37,7 +37,7 @@ def without_attitudes(
         gravity: m/s².
         level: confidence level of the intervals.
         raw: whether the means are in counts or volts.
-        samples: the samples of each position, (n, 3), from which a hand's sway is told from noise; empty: noise as in ``means``.
+        samples: the samples of each position, (n, 3), which separate the sway of a hand from noise; empty: the noise that ``means`` states.
 
     Raises:
         ValueError: too few positions, or positions that do not determine the parameters.

@@ -55,6 +55,11 @@ class TableComparison:
     reason: str  #: why it is not made again
     rows: tuple[Row, ...]
 
+    @property
+    def name(self) -> str:
+        """Its name: "table 4", or that of a section."""
+        return f"table {self.number}" if self.number[0].isdigit() else self.number
+
     def count(self, verdict: str) -> int:
         """Return how many rows have a verdict."""
         return sum(row.verdict == verdict for row in self.rows)

@@ -8,8 +8,8 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.units import UNITS
+from imuwb_plugins.reproduce.printed import NORMAL
 
-NORMAL = 1.959964
 PARTS = 10  #: of a record, for the error of what has no interval of its own
 
 

@@ -72,7 +72,7 @@ def _named(kind: str, items: Sequence[TableComparison] | Sequence[FigureComparis
 
 
 def _contents(result: Reproduction) -> Table:
-    tables = tuple((_short(t), t.title, _state(t)) for t in result.tables)
+    tables = tuple((t.name, t.title, _state(t)) for t in result.tables)
     figures = tuple(
         (f"figure {f.number}", f.title, f.reason or (f.command if f.drawings else "these data have none"))
         for f in result.figures
@@ -94,8 +94,7 @@ def _state(table: TableComparison) -> str:
 def _table(table: TableComparison, review: Review) -> None:
     rows = tuple(cells_of(row) for row in table.rows)
     caption = f"Made with: {table.command}" if table.command else ""
-    name = f"Table {table.number}" if table.number[0].isdigit() else table.number.capitalize()
-    review.table(Table(f"{name}: {table.title}", HEADINGS, rows, caption, wide=True))
+    review.table(Table(f"{table.name.capitalize()}: {table.title}", HEADINGS, rows, caption, wide=True))
     for reading in table.readings:
         review.note(reading)
 
@@ -144,7 +143,7 @@ def answer(result: Reproduction) -> Answer:
     judged.sort(key=lambda t: (-t.count(DIFFERS), -t.count(AGREES)))
     rows = tuple(
         (
-            _short(t), str(len(t.rows)), str(t.count(AGREES)), str(t.count(DIFFERS)),
+            t.name, str(len(t.rows)), str(t.count(AGREES)), str(t.count(DIFFERS)),
             str(t.count(OTHER)), _worst(t),
         )
         for t in judged[:MOST_ROWS]
@@ -179,18 +178,12 @@ def _ratios(tables: Sequence[TableComparison]) -> Figure:
         )
         low, high = np.minimum(low, high), np.maximum(low, high)
         shown = np.isfinite(low) & np.isfinite(high) & (low > 0)
-        curves.append(
-            Curve(_short(table), x, y, color, np.where(shown, low, y), np.where(shown, high, y), style="points")
-        )
+        curves.append(Curve(table.name, x, y, color, np.where(shown, low, y), np.where(shown, high, y), style="points"))
     line = np.array([1.0, float(max(begin - 1, 2))])
     curves.append(Curve("as printed", line, np.ones(2), PALE, style="fit"))
     return Figure(
         "Ours over the paper's, every value that a simulation can give again", "number of the value, table by table [1]", "ratio [1]", tuple(curves), x_scale="linear"
     )  # fmt: skip
-
-
-def _short(table: TableComparison) -> str:
-    return f"table {table.number}" if table.number[0].isdigit() else table.number
 
 
 def _worst(table: TableComparison) -> str:

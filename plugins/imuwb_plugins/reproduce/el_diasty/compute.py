@@ -14,9 +14,9 @@ from imuwb.statistics import Estimate
 from imuwb_plugins.reproduce.comparison import Found, Reproduction, compared, of_other_data
 from imuwb_plugins.reproduce.el_diasty import figures
 from imuwb_plugins.reproduce.el_diasty.records import AXES, CELSIUS, IMUS, UNIT, Record, own, simulated
-from imuwb_plugins.reproduce.estimates import NORMAL, in_unit
+from imuwb_plugins.reproduce.estimates import in_unit
 from imuwb_plugins.reproduce.parameters import ElDiasty
-from imuwb_plugins.reproduce.printed import Key, paper
+from imuwb_plugins.reproduce.printed import NORMAL, Key, paper
 
 CUTOFFS: dict[str, float | None] = {"2": None, "3": 8.0, "4": 16.0, "5": 24.0}  #: table -> Hz
 WIDTH = 4.0  #: Hz, of the transition

@@ -18,7 +18,7 @@ from imuwb.stochastic import Constant, ImuErrorModel, Sum
 from imuwb.units import UNITS
 from imuwb_plugins.calibration import METHODS
 from imuwb_plugins.reproduce.estimates import by_parts, exact, in_unit
-from imuwb_plugins.reproduce.printed import Key
+from imuwb_plugins.reproduce.printed import NORMAL, Key
 
 FAST = 1000.0  #: Hz
 BAND = 100.0  #: Hz, of the total noise
@@ -59,7 +59,7 @@ def _zeros(model: ImuErrorModel, seed: int) -> Iterator[tuple[Key, Estimate]]:
     for name, unit in ZERO.items():
         biases = np.array([one.axes[name.replace(" ", "_")].bias for one in drawn])
         value = UNITS[unit].from_si(float(biases.std(ddof=1)))
-        half = 1.96 * value / math.sqrt(2 * SPECIMENS)
+        half = NORMAL * value / math.sqrt(2 * SPECIMENS)
         yield Key("1", "zero tolerance", name), Estimate(value, value - half, value + half, unit=unit)
 
 
