@@ -37,7 +37,9 @@ class Quinchia(Repeated):
         if len(self.drive) > 2:  # noqa: PLR2004 - the paper has two
             raise ValueError(f"drive has {len(self.drive)} logs; it must have one or two")
         if self.drive and self.static is None:
-            raise ValueError("drive needs static: the filters take their noise from a still record of the same sensor")
+            raise ValueError(
+                "drive is given without static; it must be used with --static LOG: the filters take their noise from a still record of the same sensor"
+            )
         if self.seeds > 1 and (self.static is not None or self.drive):
             raise ValueError("seeds needs simulated logs; leave static and drive out, or give one seed")
 
@@ -60,7 +62,9 @@ class ElDiasty(Repeated):
         """Check the values."""
         super().__post_init__()
         if len(self.chamber) not in (0, 4):
-            raise ValueError(f"chamber has {len(self.chamber)} logs; it must have four, at -30, 0, 30 and 60 °C")
+            raise ValueError(
+                f"chamber names {len(self.chamber)} of the four logs that it must have, at -30, 0, 30 and 60 °C"
+            )
         if self.seeds > 1 and self.chamber:
             raise ValueError("seeds needs simulated logs; leave chamber out, or give one seed")
 
