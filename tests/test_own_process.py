@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import subprocess
 import sys
 
 import pytest
@@ -48,3 +49,50 @@ def test_other_programs_get_the_threads_that_were_given(given, monkeypatch):
     monkeypatch.setattr(own_process, "_given", given)
     expected = {name: value for name, value in os.environ.items() if name != THREADS}
     assert environment() == (expected if given is None else expected | {THREADS: given})
+
+
+#: A program that ends while a thread of pyarrow reads ahead from a Python object, as after a log that is damaged in its middle.
+READS_AHEAD = """
+import io, time
+from imuwb import own_process
+own_process.command_line()
+import pyarrow as pa
+from pyarrow import csv
+
+class Slow(io.RawIOBase):
+    begun = False
+    def readable(self):
+        return True
+    def read(self, size=-1):
+        time.sleep(0.05 * self.begun)
+        self.begun = True
+        return b"1.0,2.0\\n" * (1 << 14)
+
+reader = csv.open_csv(pa.PythonFile(Slow(), "r"), csv.ReadOptions(column_names=["a", "b"], block_size=1 << 16))
+reader.read_next_batch()
+print("done")
+{end}
+"""
+
+
+def ended(end):
+    program = READS_AHEAD.replace("{end}", end)
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+
+
+def test_a_thread_that_reads_ahead_does_not_abort_a_process_that_is_done():
+    done = ended("own_process.end_with(3)")
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (3, "done", "")
+
+
+@pytest.mark.parametrize(("code", "expected"), [(None, 0), (2, 2)])
+def test_the_exit_code_is_that_of_the_program(code, expected):
+    program = f"from imuwb import own_process\nown_process.command_line()\nown_process.end_with({code})\nprint('whole')"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (expected, "whole")
+
+
+def test_an_error_that_python_prints_keeps_its_exit_code():
+    program = "from imuwb import own_process\nown_process.command_line()\nraise SystemExit('why')"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.strip()) == (1, "why")

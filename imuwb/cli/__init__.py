@@ -20,6 +20,10 @@ def main() -> None:
     with Signals() as signals:
         try:
             _run(signals)
+            own_process.end_with(0)
+        except SystemExit as leaving:
+            own_process.end_with(leaving.code)
+            raise
         finally:
             _tell_cost()
 

@@ -10,6 +10,8 @@ import tempfile
 from itertools import pairwise
 from pathlib import Path
 
+from imuwb import own_process
+
 NOT_OURS = 66  #: exit code
 HEAD = 4096  #: bytes by which the format is judged
 #: first bytes of the binary formats that imuwb reads, and of the formats that the viewer itself reads
@@ -28,7 +30,10 @@ def main() -> None:
     path = Path(sys.argv[1])
     if not may_be_ours(path):
         raise SystemExit(NOT_OURS)
-    raise SystemExit(_imported(path, _option("--application-id"), _option("--recording-id")))
+    own_process.command_line()
+    code = _imported(path, _option("--application-id"), _option("--recording-id"))
+    own_process.end_with(code)
+    raise SystemExit(code)
 
 
 def _option(name: str) -> str | None:

@@ -38,6 +38,7 @@ def main() -> None:
                 done = outcome(0, call)
                 watch.memory = 0.0
             _send(done, answers)
+    own_process.end_with(0)
 
 
 def _unpacked(packed: bytes) -> tuple[Completed | None, Call | None]:
