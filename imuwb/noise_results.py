@@ -1,19 +1,23 @@
 """What several analyses of noise state and show alike: periodic lines, and the curves and slopes of a fitted sum."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from imuwb.analysis import Curve, Table
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
-from imuwb.identification import Line, Region
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.statistics import Estimate
 from imuwb.stochastic import Autoregressive
 from imuwb.texts import converted_text, number_text
 from imuwb.units import coefficient_units
+
+if TYPE_CHECKING:  # what only shows an error model must not wait for the estimators
+    from imuwb.identification import Line, Region
 
 Outcome = TypeVar("Outcome")
 

@@ -14,7 +14,7 @@ import typer
 
 from imuwb.analysis import Answer, Step
 from imuwb.cli.options import Force
-from imuwb.cli.terminal import print_panel
+from imuwb.cli.terminal import print_panel, progress
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.review.answers.panel import Origin
 from imuwb.texts import counted
@@ -46,23 +46,31 @@ def catalog(
     """
     from imuwb import __version__  # noqa: PLC0415 - help must not wait
     from imuwb.cli.places import check_place  # noqa: PLC0415
-    from imuwb.review.page.catalog import catalog as page  # noqa: PLC0415
-    from imuwb.review.page.catalog import entries  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
     if serve and output is not None:
         raise UsageError("--serve writes no page; leave --output out, or run imuwb catalog twice")
     if serve:
-        entries(folder, folder / INDEX)
+        _rows(folder, folder / INDEX)
         _serve(folder, port)
         return
     place = output or folder / INDEX
     if place.suffix != ".html":
         raise UsageError(f"--output {place}: the name of the page must end in .html")
-    rows = entries(folder, place.resolve())
+    rows = _rows(folder, place.resolve())
     check_place(place, force=force)
+    from imuwb.review.page.catalog import catalog as page  # noqa: PLC0415 - the first line must not wait for it
+
     write_text(place, page(folder, rows, __version__))
     print_panel(_answer(rows), Origin("catalog", (str(folder),), wrote=(str(place),)), data=True)
+
+
+def _rows(folder: Path, page: Path) -> tuple[Entry, ...]:
+    """Return a row for each recording."""
+    with progress(f"reading the recordings of {folder}") as report:
+        from imuwb.review.page.catalog import entries  # noqa: PLC0415 - the viewer's library is slow to import
+
+        return entries(folder, page, report)
 
 
 def _answer(rows: Sequence[Entry]) -> Answer:

@@ -63,6 +63,7 @@ def export(
     Example: imuwb model export static.error-model.toml --to vins --rate 200 -o imu.yaml
     """
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import progress  # noqa: PLC0415
     from imuwb.estimators import as_json  # noqa: PLC0415
     from imuwb.estimators import export as exported  # noqa: PLC0415
     from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
@@ -75,19 +76,21 @@ def export(
     files = _files(output, to)
     for file in files.values():
         check_place(file, force=force)
-    read, options, said = chosen.of(model)
     celsius = chosen.celsius
     if celsius is not None and to in ("json", *THERMAL_FORMS):
         raise UsageError(f"--celsius {celsius:g}: --to {to} keeps all temperatures; leave it out")
-    if to == "json":
-        text, notes = as_json(read), ()
-    elif to in FILES:
-        text, notes = calibration_text(read, to, instance, celsius)
-    elif to in THERMAL_FORMS:
-        text, notes = thermal_text(read, to, instance)
-    else:
-        made = exported(read, to, options, said)
-        text, notes = made.text, made.notes
+    with progress(f"reading {model.name}"):
+        read, options, said = chosen.of(model)
+    with progress(f"matching the terms to {to}"):
+        if to == "json":
+            text, notes = as_json(read), ()
+        elif to in FILES:
+            text, notes = calibration_text(read, to, instance, celsius)
+        elif to in THERMAL_FORMS:
+            text, notes = thermal_text(read, to, instance)
+        else:
+            made = exported(read, to, options, said)
+            text, notes = made.text, made.notes
     _write(text, notes, files, to, model)
 
 

@@ -80,18 +80,21 @@ def plan(
 
     Example: imuwb plan --preset mpu-6050 --want N:1%,B:10% --rate 200
     """
-    from imuwb.identification import plan_record  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import progress  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
-    from imuwb.review.answers.plan_answer import plan_answer  # noqa: PLC0415
 
     wants = wanted(want)
     _check(rate, hours, output)
     sensor, own_rate, name, typed = _sensor(preset, model, record)
     used = rate or own_rate or USUAL_RATE
-    try:
-        found = plan_record(sensor, wants, used, hours=hours)
-    except ValueError as error:
-        raise UsageError(f"--hours {hours}: {error}") from error
+    with progress(f"planning the record of {name}"):
+        from imuwb.identification import plan_record  # noqa: PLC0415 - the first line must not wait for it
+        from imuwb.review.answers.plan_answer import plan_answer  # noqa: PLC0415
+
+        try:
+            found = plan_record(sensor, wants, used, hours=hours)
+        except ValueError as error:
+            raise UsageError(f"--hours {hours}: {error}") from error
     twice = f"imuwb plan {typed} --want {want} --rate {used:g} --hours {_round(2 * (found.hours or 1.0)):g}"
     answer, origin = plan_answer(found, wants, tuple(_steps(twice))), Origin("plan", (name,))
     if output is not None:

@@ -48,7 +48,7 @@ def report(
     from imuwb.analysis import Answer  # noqa: PLC0415 - help must not wait for numpy and rerun
     from imuwb.cli.page_files import PageFiles  # noqa: PLC0415
     from imuwb.cli.places import reserved  # noqa: PLC0415
-    from imuwb.cli.terminal import print_panel  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel, progress  # noqa: PLC0415
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
 
     files = PageFiles(output, pdf, figures, figure_format, tables, table_format)
@@ -58,7 +58,8 @@ def report(
         check_runs(recorded)
         reports = [report for _, report in recorded]
         remarks = remarks_on(recorded)
-        wrote = files.write(reports, title or title_of(reports), remarks)
+        with progress(f"writing {output.name}"):
+            wrote = files.write(reports, title or title_of(reports), remarks)
     rows = tuple((r.analysis, r.sources[0].name if r.sources else "", *r.answer.sentences[:1]) for r in reports)
     count = f"{len(reports)} {'analysis' if len(reports) == 1 else 'analyses'}"
     print_panel(
@@ -74,16 +75,19 @@ def _read(path: Path) -> tuple[Recorded, Report]:
     Raises:
         UnreadableLogError: the file is no recording of imuwb, or has no page.
     """
-    from imuwb.cli.view import check_recording  # noqa: PLC0415 - as above
-    from imuwb.review.page.report_document import KEPT, report_from  # noqa: PLC0415
-    from imuwb.review.recording.recorded import read  # noqa: PLC0415
+    from imuwb.cli.terminal import progress  # noqa: PLC0415 - as above
+    from imuwb.cli.view import check_recording  # noqa: PLC0415
 
     if path.suffix in LOST and path.is_file():
         raise UnreadableLogError(
             f"{path}: this is {LOST[path.suffix]}, which has no figures; give the recording (.rrd) of the same run"
         )
     check_recording(path)
-    recorded = read(path)
+    with progress(f"reading {path.name}"):
+        from imuwb.review.page.report_document import KEPT, report_from  # noqa: PLC0415 - as above
+        from imuwb.review.recording.recorded import read  # noqa: PLC0415
+
+        recorded = read(path)
     if recorded.foreign:
         raise UnreadableLogError(
             f"{path}: another program made this recording; imuwb report takes those of its analyses"

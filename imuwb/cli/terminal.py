@@ -61,12 +61,15 @@ def print_panel(answer: Answer, origin: Origin, *, data: bool) -> None:
 
 @contextmanager
 def progress(text: str) -> Generator[Callable[[float, float], None]]:
-    """Show a bar on stderr if this is a terminal; the function that is yielded takes (done, all)."""
+    """Show a bar on stderr if this is a terminal; the function that is yielded takes (done, all).
+
+    A command that needs slow libraries opens its first bar before it imports them.
+    """
     screen = Console(file=sys.stderr)
     if not screen.is_terminal:
         yield lambda done, total: None  # noqa: ARG005 - nobody sees a bar
         return
-    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
     with Progress(*columns, console=screen, transient=True) as bar:
-        task = bar.add_task(text, total=None)
+        task = bar.add_task(printable(text), total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 
 from imuwb.arrays import Floats
 from imuwb.errors import UsageError
@@ -111,6 +110,8 @@ class Sensor:
             raise UsageError(
                 f"the bandwidth is {cutoff} Hz; it must be between a millionth and half of the rate ({rate / 2} Hz)"
             )
+        from scipy import signal  # noqa: PLC0415 - scipy.signal is slow to import
+
         sections = signal.butter(2, cutoff, fs=rate, output="sos")
         settled = signal.sosfilt_zi(sections) * noise[0]
         return signal.sosfilt(sections, noise, zi=settled)[0]

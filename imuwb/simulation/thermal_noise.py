@@ -10,7 +10,6 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from scipy import signal
 
 from imuwb.arrays import Floats
 from imuwb.stochastic import (
@@ -108,6 +107,8 @@ def _gauss_markov(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
 
 def _autoregressive(model: AxisModel, place: int, celsius: Floats, dt: float, rng: np.random.Generator) -> Floats:
     """Return a series whose AR set changes every quarter of a degree, while its past values stay."""
+    from scipy import signal  # noqa: PLC0415 - scipy.signal is slow to import
+
     edges = np.flatnonzero(np.diff(np.floor(celsius / PIECE))) + 1
     series: list[Floats] = []
     past = np.empty(0)  # the newest first

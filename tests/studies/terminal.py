@@ -31,13 +31,29 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "outage": ("outage", DRIVE, "--error-model", MODEL, "--models", "15AV,full", "-o", "drive.rrd"),
     "convert": ("convert", DRIVE, "-o", "drive-copy.mcap"),
     "simulate static": ("simulate", "static", "--preset", "mpu-6050", "--hours", "0.1", "-o", "made.mcap"),
+    "simulate drive": ("simulate", "drive", "--duration", "120", "--sensor", "mpu-6050", "-o", "made-drive.mcap"),
     "simulate chamber": ("simulate", "chamber", "--preset", "mpu-6050", "--hours", "0.01", "-o", "chamber"),
     "model show": ("model", "show", MODEL),
+    "model export": ("model", "export", MODEL, "--to", "kalibr", "-o", "kalibr.yaml"),
     "model compare": ("model", "compare", MODEL, "other.toml"),
     "model check": ("model", "check", MODEL, "--against", "other.toml"),
+    "temperature": ("temperature", "warm.mcap", "-o", "warm.rrd"),
+    "calibration": ("calibration", "multi-position", "hand/hand_held.mcap", "-o", "hand.rrd"),
+    "plan": ("plan", "--preset", "mpu-6050"),
+    "explain": ("explain", "bias instability"),
+    "report": ("report", "static.rrd", "drive.rrd"),
+    "catalog": ("catalog", "."),
 }
+NO_FORCE = (
+    "info",
+    "model show",
+    "model compare",
+    "model check",
+    "plan",
+    "explain",
+)  #: commands that write no file here
 FULL = ("info", "health", "noise", "allan", "psd", "autocorrelation", "autoregressive", "lssa", "outage", "convert",
-        "model show", "model compare", "model check")  # fmt: skip
+        "model show", "model compare", "model check", "temperature", "calibration", "plan")  # fmt: skip
 ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[a-zA-Z]")
 
 
@@ -74,11 +90,14 @@ def _cpu(process: int) -> float:
 def main() -> None:
     """Run all commands, and write the table."""
     rows: list[str] = []
+    sensor = ("--preset", "mpu-6050")
     with tempfile.TemporaryDirectory() as folder:
-        ran(("simulate", "static", "--preset", "mpu-6050", "--hours", "0.1", "-o", "still.mcap"), 80, folder)
+        ran(("simulate", "static", *sensor, "--hours", "0.1", "-o", "still.mcap"), 80, folder)
+        ran(("simulate", "static", *sensor, "--hours", "0.1", "--temperature", "-10:40", "-o", "warm.mcap"), 80, folder)
+        ran(("simulate", "hand-held", *sensor, "-o", "hand"), 80, folder)
         ran(("allan", "still.mcap", "--save-model", "other.toml"), 80, folder)
         for name, words in COMMANDS.items():
-            force = () if name.startswith("model") or name == "info" else ("--force",)
+            force = () if name in NO_FORCE else ("--force",)
             narrow = ran((*words, *force), 80, folder)
             wide = ran((*words, *force), 120, folder)
             full = ran((*words, *force, "--full"), 120, folder)[0] if name in FULL else None

@@ -76,9 +76,7 @@ def report(
     """
     from imuwb.cli.page_files import PageFiles  # noqa: PLC0415 - help must not wait
     from imuwb.cli.places import reserved  # noqa: PLC0415
-    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
-    from imuwb.fleet.report.result import fleet_report  # noqa: PLC0415
-    from imuwb.fleet.report.sheet import against  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel, progress, shower  # noqa: PLC0415
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
     most = _share(max_quarantine)
@@ -92,7 +90,11 @@ def report(
     document = Path(json) if json not in (None, "-") else None
     pages = PageFiles(html, pdf, figures, figure_format, tables, table_format)
     pages.check(force=force)
-    state, read = _read(results)
+    with progress("reading the results"):
+        from imuwb.fleet.report.result import fleet_report  # noqa: PLC0415 - the first line must not wait for it
+        from imuwb.fleet.report.sheet import against  # noqa: PLC0415
+
+        state, read = _read(results)
     files = [recording, *pages.files, *([document] if document else [])]
     with reserved(files, [], force=force):
         found = fleet_report(state, read, error=error, level=level, doubtful=with_doubtful, options=_options(state))

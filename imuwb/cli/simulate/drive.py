@@ -143,11 +143,11 @@ def drive(
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
-    model, route = vehicle.model(), trip.route()
-    celsius, receiver, odometer = vehicle.celsius(route.duration), gnss.receiver(), wheels.device()
-    noise, road = disturbances.noise(), disturbances.surface(trip.route_seed)
     check_output(output, force=force)
     with progress("simulating") as report:
+        model, route = vehicle.model(), trip.route()
+        celsius, receiver, odometer = vehicle.celsius(route.duration), gnss.receiver(), wheels.device()
+        noise, road = disturbances.noise(), disturbances.surface(trip.route_seed)
         log = simulation.drive(
             model, route, vehicle.seed, rate=vehicle.rate, receiver=receiver, odometer=odometer,
             truth_rate=trip.truth_rate, celsius=celsius, quantize=vehicle.quantize, bandwidth=vehicle.bandwidth,

@@ -5,18 +5,24 @@ subtracts p at the clamped temperature less p at the temperature of calibration,
 PX4 (src/modules/sensors/temperature_compensation): offset = X0 + X1 d + X2 d² + X3 d³ with d = clamped T - TREF.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification.temperature.bias_polynomial import ORDER, BiasPolynomial, polynomial_through
 from imuwb.log import AXES
 from imuwb.stochastic import ImuErrorModel
 from imuwb.texts import printable
 
+if TYPE_CHECKING:  # an export without temperatures must not wait for the estimators
+    from imuwb.identification.temperature.bias_polynomial import BiasPolynomial
+
+ORDER = 3  #: of the polynomials of both autopilots
 REFERENCE = 35.0  #: °C, fixed in ArduPilot
 LEAST_SPAN = 10.0  #: °C, that ArduPilot asks for
 THERMAL_FORMS = ("ardupilot-tcal", "px4-tc")
@@ -46,6 +52,8 @@ def curves(model: ImuErrorModel, reference: float) -> tuple[tuple[Curve, ...], f
     Raises:
         MissingDataError: no axis has a bias by temperature, or the range is too narrow.
     """
+    from imuwb.identification.temperature.bias_polynomial import polynomial_through  # noqa: PLC0415 - as above
+
     found: list[Curve] = []
     ends: list[tuple[float, float]] = []
     for axis in AXES:

@@ -1,7 +1,7 @@
 """The page of a folder of recordings: a row for each, with its verdict, its figures, and links to it and to its page."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -34,12 +34,13 @@ class Entry:
     remark: str = ""  #: why the row says no more
 
 
-def entries(folder: Path, output: Path) -> tuple[Entry, ...]:
+def entries(folder: Path, output: Path, progress: Callable[[int, int], None] | None = None) -> tuple[Entry, ...]:
     """Return a row for each recording in a folder, not in the folders below it.
 
     Args:
         folder: of the recordings.
         output: the page, to which links are relative.
+        progress: called with (recordings read, recordings).
 
     Raises:
         UnreadableLogError: the folder cannot be read.
@@ -53,7 +54,12 @@ def entries(folder: Path, output: Path) -> tuple[Entry, ...]:
         raise MissingDataError(
             f"{folder}: no recording (*.rrd) is in this folder; imuwb analyses write them, and -o places them"
         )
-    return tuple(_entry(file, output.parent) for file in files)
+    rows: list[Entry] = []
+    for file in files:
+        rows.append(_entry(file, output.parent))
+        if progress is not None:
+            progress(len(rows), len(files))
+    return tuple(rows)
 
 
 def _entry(file: Path, home: Path) -> Entry:
