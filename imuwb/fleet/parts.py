@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from imuwb.fleet.listing import tag_of
+from imuwb.fleet.parquet import table_in
 from imuwb.fleet.schemas import LOGS, OUTAGES, PARTS, QUARANTINE, SENSORS
 from imuwb.fleet.store import Store
 
@@ -63,10 +64,7 @@ class Part:
         Raises:
             ValueError: the file is damaged.
         """
-        try:
-            (row,) = pq.read_table(BytesIO(content), schema=SCHEMA).to_pylist()
-        except (pa.ArrowException, OSError) as error:
-            raise ValueError(str(error)) from error
+        (row,) = table_in(content).to_pylist()
         return cls(row["logs"][0], tuple(row["sensors"]), tuple(row["outages"]), tuple(row["quarantine"]))
 
 

@@ -1,6 +1,7 @@
 """Where results lie: a folder of this machine, or a folder in an object store. Each file is written whole or not at all."""
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,6 +14,8 @@ from imuwb.writers.whole import whole_file
 
 ATTEMPTS = 4  #: to ask a store
 PAUSE = 0.2  #: s before the second attempt; twice as long before each further one
+STATUS = re.compile(r"status code: (\d{3})")
+DENIED, NOT_FOUND = (401, 403), 404
 Item = TypeVar("Item")
 
 
@@ -187,11 +190,12 @@ def attempted(request: Callable[[], Item], address: Address) -> Item:
             return request()
         except (AlreadyExistsError, PreconditionError) as error:
             raise AlreadyExistsError from error
-        except (PermissionDeniedError, UnauthenticatedError):
-            raise TransportError(f"{address}: access is denied; {REMEDIES[address.scheme]}") from None
-        except FileNotFoundError:
-            raise TransportError(f"{address}: there is no such bucket; check the address") from None
         except Exception as error:  # noqa: BLE001 - of many types
+            status = _status(error)
+            if status in DENIED or isinstance(error, PermissionDeniedError | UnauthenticatedError):
+                raise TransportError(f"{address}: access is denied; {REMEDIES[address.scheme]}") from None
+            if status == NOT_FOUND or isinstance(error, FileNotFoundError):
+                raise TransportError(f"{address}: there is no such bucket; check the address") from None
             if attempt == ATTEMPTS - 1:
                 text = f"{address}: the store does not answer as it should ({type(error).__name__}), also after {ATTEMPTS} attempts"
                 raise TransportError(
@@ -199,3 +203,9 @@ def attempted(request: Callable[[], Item], address: Address) -> Item:
                 ) from None
             time.sleep(PAUSE * 2**attempt)
     raise AssertionError
+
+
+def _status(error: Exception) -> int | None:
+    """Return the status of HTTP that an error states in its text; None: none. A list that fails has no error of a type of its own."""
+    found = STATUS.search(str(error).partition("Debug source")[0])
+    return None if found is None else int(found[1])

@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from imuwb.errors import ImuwbError
+from imuwb.fleet.parquet import table_in
 from imuwb.fleet.parts import Part
 from imuwb.fleet.plan import Task
 from imuwb.fleet.schemas import DONE, ORDER, QUARANTINED, TABLES, check_schema, file_of
@@ -82,8 +83,8 @@ def read_table(store: Store, table: str, place: str) -> pa.Table | None:
         return None
     where = f"{place.rstrip('/')}/{file_of(table)}"
     try:
-        read = pq.read_table(BytesIO(content))
-    except (pa.ArrowException, OSError):
+        read = table_in(content)
+    except ValueError:
         read = pa.table({})
     check_schema(table, read.schema, where)
     return read.select(TABLES[table].names)

@@ -1,4 +1,7 @@
-"""A fleet of logs on the command line: a plugin's analysis over good, damaged, hanging and greedy logs, in files and in a store."""
+"""A fleet of logs on the command line: a plugin's analysis over good, damaged, hanging and greedy logs, in files and in a store.
+
+Only the log that hangs has a bound of time, so that no slow machine makes another log fail.
+"""
 
 import json
 import os
@@ -14,7 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 
 HEADER = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"
-#: A plugin that hangs, takes memory or fails by the number of rows of the log.
+#: A plugin that waits while there is a file "wait", hangs, takes memory or fails by the number of rows of the log.
 PLUGIN = '''
 """Mean square of the gyros.
 
@@ -36,14 +39,14 @@ class Parameters(Options):
 def run(logs, parameters):
     rate = logs[0].imu().angular_rate
     rows = len(rate)
+    while rows == 60 and Path("wait").exists():
+        time.sleep(0.02)
     if rows == 61:
-        time.sleep(1000)
+        time.sleep(10**6)
     if rows == 62:
         return bytearray(10**11)
     if rows == 63:
         return 1 / 0
-    if rows > 100:
-        time.sleep(0.2)
     more = float(parameters.file.read_text()) if parameters.file else 0.0
     return {axis: parameters.scale * float(np.std(rate.value[:, i])) + more for i, axis in enumerate("xyz")}
 
@@ -54,9 +57,10 @@ def findings(result):
     return tuple(Finding(f"gyro_{a}", "mean", {"N": Coefficient(v, v / 2, 2 * v)}) for a, v in result.items())
 '''
 GROUP = r"logs/(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]*$"
-BOUNDS = ("--task-time", "6", "--task-memory", "0.3")
+SHORT = ("--task-time", "0.5")  #: for the log that hangs
 TABLES = ("sensors", "outages", "logs", "quarantine")
-KINDS = ["fault", "memory", "time", "unreadable"]
+KINDS = ["fault", "memory", "unreadable"]
+PATIENCE = 300  #: s that a test waits for another process
 
 
 def text(rows, seed):
@@ -64,15 +68,16 @@ def text(rows, seed):
     return "\n".join([HEADER, *(",".join(map(repr, [i / 100, *row])) for i, row in enumerate(values.tolist()))]) + "\n"
 
 
-def made(folder, logs=9, rows=60):
-    """Write sound logs of three sensors, and four that are not."""
+def made(folder):
+    """Write five sound logs of three sensors, one that can wait, three that are not sound, and apart one that hangs."""
     (folder / "mean.py").write_text(PLUGIN)
-    for i in range(logs):
-        path = folder / f"logs/v{i % 3}/s{i % 3}/{i}.csv"
+    contents = {f"logs/v{i % 3}/s{i % 3}/{i}.csv": text(60 if i == 3 else 59, i) for i in range(6)}
+    contents |= {"logs/v0/s0/greedy.csv": text(62, 2), "logs/v0/s0/fails.csv": text(63, 3)}
+    contents |= {"logs/v0/s0/words.csv": "no log", "hangs/v0/s0/hangs.csv": text(61, 1)}
+    for name, content in contents.items():
+        path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text(rows, i))
-    for name, content in (("hangs", text(61, 1)), ("greedy", text(62, 2)), ("fails", text(63, 3)), ("words", "no log")):
-        (folder / f"logs/v0/s0/{name}.csv").write_text(content)
+        path.write_text(content)
 
 
 def tables(folder):
@@ -93,7 +98,7 @@ def loop(tmp_path_factory):
     """Return a folder with a fleet, and its tables by a plain loop."""
     folder = tmp_path_factory.mktemp("fleet")
     made(folder)
-    done = ran(folder, "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0", *BOUNDS)
+    done = ran(folder, "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0")
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -108,14 +113,24 @@ def ran(folder, *arguments, **environment):
 
 def test_a_plain_loop(loop):
     assert sorted(row["kind"] for row in rows(loop / "loop", "quarantine")) == KINDS
-    assert len(rows(loop / "loop", "sensors")) == 27
+    assert len(rows(loop / "loop", "sensors")) == 18
     assert {row["serial"] for row in rows(loop / "loop", "logs")} == {"s0", "s1", "s2"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a loop in one process has no bound of time there")
+def test_a_log_that_hangs_is_ended_by_a_loop_and_by_a_pool(imuwb, loop, monkeypatch):
+    monkeypatch.chdir(loop)
+    for workers in (0, 1):
+        done = imuwb("fleet", "mean.py", "hangs", "-o", f"hangs-{workers}", "--workers", workers, *SHORT)
+        assert (done.code, "more than 0.5 s" in done.err) == (0, True), done.err
+    assert tables("hangs-0") == tables("hangs-1")
+    assert [row["kind"] for row in rows("hangs-0", "quarantine")] == ["time"]
 
 
 def test_a_run_does_what_is_missing_and_nothing_else(imuwb, loop, monkeypatch):
     monkeypatch.chdir(loop)
     before = tables("loop")
-    given = ("fleet", "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0", *BOUNDS)
+    given = ("fleet", "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0")
     done = imuwb(*given)
     assert (done.code, "nothing was left" in done.err, len(done.err.splitlines()) <= 15) == (0, True, True)
     part = next(p for p in Path("loop/parts").rglob("*.parquet") if pq.read_table(p).column("sensors")[0].as_py())
@@ -140,18 +155,20 @@ def test_a_pool_with_a_client_that_is_killed_gives_the_tables_of_the_loop(loop):
         GROUP,
         "--workers",
         "2",
-        *BOUNDS,
     ]
+    (loop / "wait").touch()
     client = subprocess.Popen(command, cwd=loop, stderr=subprocess.DEVNULL)
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while len(list(folder.glob("parts/*/*/*.parquet"))) < 3 and time.monotonic() < end:
         time.sleep(0.02)
+    assert client.poll() is None
     client.send_signal(signal.SIGKILL)
     client.wait()
+    (loop / "wait").unlink()
     done = ran(loop, *command[4:])
     assert done.returncode == 0, done.stderr
     assert tables(folder) == tables(loop / "loop")
-    assert len(worked(folder)) <= 10
+    assert 1 <= len(worked(folder)) <= 6
 
 
 @pytest.mark.parametrize(
@@ -177,6 +194,32 @@ def test_bad_input(imuwb, loop, monkeypatch, arguments, code, words):
     assert done.code == code, done.err
     assert all(word in done.err for word in words), done.err
     assert not Path("bad").exists()
+
+
+DENIED = "access is denied; check the address, and set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"
+ABSENT = "there is no such bucket; check the address"
+
+
+@pytest.mark.parametrize(
+    ("logs", "place", "status", "said"),
+    [
+        ("s3://drives/**/*.csv", "denied", 401, DENIED),
+        ("s3://drives/**/*.csv", "denied", 403, DENIED),
+        ("s3://drives/v0/", "denied", 404, ABSENT),
+        ("logs", "s3://drives/denied", 403, DENIED),
+    ],
+)
+def test_a_store_that_refuses_is_asked_once(imuwb, loop, monkeypatch, web, logs, place, status, said):
+    pytest.importorskip("obstore", reason="obstore is not installed")
+    monkeypatch.chdir(loop)
+    monkeypatch.delenv("AWS_PROFILE", raising=False)
+    web.statuses = [status] * 20
+    keys = {"AWS_ACCESS_KEY_ID": "WRONG-KEY", "AWS_SECRET_ACCESS_KEY": "WRONG-SECRET", "AWS_REGION": "us-east-1"}
+    done = imuwb("fleet", "mean.py", logs, "-o", place, **keys, AWS_ENDPOINT_URL=web.url(""))
+    assert (done.code, len(done.err.splitlines()), len(web.requests)) == (1, 1, 1)
+    assert f"imuwb: {place if logs == 'logs' else logs}: {said}" in done.err
+    assert "WRONG" not in done.err
+    assert not Path("denied").exists()
 
 
 def test_results_of_another_run_are_kept(imuwb, loop, monkeypatch):
@@ -217,10 +260,10 @@ def test_an_option_of_each_sensor(imuwb, loop, monkeypatch):
 def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
     monkeypatch.chdir(loop)
     done = imuwb("fleet", "list", "logs", "--group", GROUP, "-o", "logs.csv", "--force")
-    assert (done.code, "13 logs of 3 sensors" in done.err) == (0, True), done.err
-    assert Path("logs.csv").read_text().count("\n") == 14
+    assert (done.code, "9 logs of 3 sensors" in done.err) == (0, True), done.err
+    assert Path("logs.csv").read_text().count("\n") == 10
     again = imuwb("fleet", "list", "logs", "--identities", "logs.csv")
-    assert "13 logs of 3 sensors" in again.out
+    assert "9 logs of 3 sensors" in again.out
 
 
 def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, monkeypatch):
@@ -235,13 +278,14 @@ def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, 
         "s3://logs/logs/**/*.csv",
         "--group",
         r"logs/logs/(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]*$",
-        *BOUNDS,
     )
     assert imuwb(*given, "-o", "store", "--workers", "0").code == 0
     with cluster(loop) as address:
         done = imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address)
         assert (done.code, address in done.err) == (0, True), done.err
         assert "nothing was left" in imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address).err
+        assert imuwb("fleet", "mean.py", "hangs", "-o", "hung", "--scheduler", address, *SHORT).code == 0
+    assert [row["kind"] for row in rows("hung", "quarantine")] == ["time"]
     import obstore
     from obstore.store import S3Store
 
@@ -254,7 +298,7 @@ def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, 
 
 @contextmanager
 def cluster(folder):
-    """Run a scheduler of Dask and two workers in processes of their own, and yield its address."""
+    """Run a scheduler of Dask and a worker with two threads in processes of their own, and yield its address."""
     file, running = folder / "scheduler.json", []
 
     def start(module, *arguments):
@@ -270,10 +314,9 @@ def cluster(folder):
         running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder))
 
     start("dask_scheduler", "--port", "0", "--host", "127.0.0.1")
-    for _ in range(2):
-        start("dask_worker", "--nthreads", "1", "--no-nanny", "--memory-limit", "0")
+    start("dask_worker", "--nthreads", "2", "--no-nanny", "--memory-limit", "0")
     try:
-        end = time.monotonic() + 60
+        end = time.monotonic() + PATIENCE
         while not file.exists() and time.monotonic() < end:
             time.sleep(0.05)
         yield json.loads(file.read_text())["address"]

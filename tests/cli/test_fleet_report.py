@@ -222,6 +222,9 @@ def test_heavy_tails_between_sensors_are_said_where_they_are_sure():
     assert not any("heavier tails" in one for one in answer(unsure).sentences)
 
 
-def test_one_log_is_in_quarantine_and_two_are():
+def test_one_log_is_in_quarantine_and_two_are(imuwb, tmp_path):
+    folder = write(tmp_path / "results", rows_of(**FEW | {"damaged": 1}))
+    done = imuwb("fleet", "report", folder, "--max-quarantine", "0%")
+    assert (done.code, "1 of 19 logs is in quarantine (5.26 %), and" in done.err) == (1, True), done.err
     assert quarantined_text(1) == "1 is in quarantine"
     assert quarantined_text(2) == "2 are in quarantine"

@@ -2,14 +2,12 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import PurePosixPath
 from typing import Any
 
-import pyarrow.parquet as pq
-
 from imuwb.analysis import Answer, Step
 from imuwb.cli.terminal import print_panel
+from imuwb.fleet.parquet import table_in
 from imuwb.fleet.progress import faults_text, quarantined_text
 from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import file_of
@@ -69,4 +67,4 @@ def _named(fault: dict[str, Any]) -> str:
 
 def _columns(store: Store, table: str, columns: Sequence[str]) -> list[dict[str, Any]]:
     content = store.read(file_of(table))
-    return [] if content is None else pq.read_table(BytesIO(content), columns=list(columns)).to_pylist()
+    return [] if content is None else table_in(content, columns).to_pylist()

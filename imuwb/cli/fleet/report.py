@@ -245,7 +245,7 @@ def _check_limits(state: RunState, verdicts: Sequence[SheetVerdict], sheet: Path
         )
     if quarantined_share(state) > most:
         failed.append(
-            f"{state.quarantined} of {state.logs} logs are in quarantine ({100 * quarantined_share(state):.3g} %), and --max-quarantine "
+            f"{state.quarantined} of {state.logs} logs {'is' if state.quarantined == 1 else 'are'} in quarantine ({100 * quarantined_share(state):.3g} %), and --max-quarantine "
             f"allows {100 * most:g} %; quarantine.parquet has the reasons"
         )
     if failed:
