@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -269,6 +269,7 @@ def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
 def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="distributed is not installed")
     assert distributed
+    monkeypatch.setattr("imuwb.fleet.dask_cluster.CONNECTING", PATIENCE)
     monkeypatch.chdir(loop)
     for path in Path("logs").rglob("*.csv"):
         bucket.put(path.as_posix(), path.read_bytes())
@@ -296,6 +297,16 @@ def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, 
         assert kept[name] == tables("loop")[name]
 
 
+def address_in(file):
+    """Return the address of the scheduler that writes a file, when the file is whole."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with suppress(OSError, ValueError):
+            return json.loads(file.read_text())["address"]
+        time.sleep(0.05)
+    raise TimeoutError(file)
+
+
 @contextmanager
 def cluster(folder):
     """Run a scheduler of Dask and a worker with two threads in processes of their own, and yield its address."""
@@ -316,10 +327,7 @@ def cluster(folder):
     start("dask_scheduler", "--port", "0", "--host", "127.0.0.1")
     start("dask_worker", "--nthreads", "2", "--no-nanny", "--memory-limit", "0")
     try:
-        end = time.monotonic() + PATIENCE
-        while not file.exists() and time.monotonic() < end:
-            time.sleep(0.05)
-        yield json.loads(file.read_text())["address"]
+        yield address_in(file)
     finally:
         for process in running:
             process.kill()

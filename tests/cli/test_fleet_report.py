@@ -101,7 +101,7 @@ def test_a_fleet_without_any_has_no_finding_and_keeps_its_limits(imuwb, tmp_path
     done = imuwb("fleet", "report", folder, "--check", "sheet.toml", "--max-quarantine", "0%", "--json", "-")
     assert done.code == 0, done.err
     assert json.loads(done.out)["result"]["findings"] == []
-    assert "No sensor is out of family" in done.err
+    assert "No sensor is out of family, and none changes (chance alone finds one in 1 % of" in done.err
     assert (folder / "report.rrd").is_file()
 
 
@@ -117,6 +117,9 @@ def test_what_is_not_counted_is_said():
     found = report_of(rows)
     group = next(group for group in found.groups if group.name == "gyro x N")
     assert sorted(group.left_out.values()) == [1, 1, 1]
+    said = answer(found).sentences[-1]
+    assert "values, the log gives a limit only" in said
+    assert "Without the limits, the mean of a family is rather too large." in said
     assert [one.kind for one in found.worthless] == ["suspicious"]
     kept = sensor_groups(tables_of(rows)["sensors"], doubtful=True)
     assert sum(next(g for g in kept if g.name == "gyro x N").left_out.values()) == 2

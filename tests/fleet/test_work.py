@@ -45,6 +45,6 @@ def test_a_log_whose_server_fails_is_read_once_more(web, tmp_path, failures, kin
     file, results = str(tmp_path / "rows.py"), str(tmp_path / "results")
     settings = Settings("rows", file, "", {}, Part(), ReadOptions(), (), results, "run")
     job = Job(settings, Task(Listed(web.url("a.csv"), len(TABLE), "t"), NOBODY, (), "", "t"), look=False)
-    (done,) = completed([Call(work, job, Bounds(60, 1e9), prepare)], InProcess())
+    (done,) = completed([Call(work, job, Bounds(600, 4e9), prepare)], InProcess())
     assert (done.fault.kind if done.fault else "") == kind
     assert len(list((tmp_path / "results").rglob("*.parquet"))) == (0 if kind else 1)

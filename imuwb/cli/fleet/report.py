@@ -46,7 +46,7 @@ _MaxQuarantine = Annotated[
 ]  # fmt: skip
 _Error = Annotated[
     float,
-    typer.Option("--error", help="Largest probability that a fleet without any such sensor has any finding.", rich_help_panel=RESULTS),
+    typer.Option("--error", help="Probability that chance makes any finding in a fleet without any such sensor.", rich_help_panel=RESULTS),
 ]  # fmt: skip
 _Level = Annotated[float, typer.Option("--level", help="Probability of the intervals.", rich_help_panel=RESULTS)]
 _Doubtful = Annotated[

@@ -63,13 +63,15 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     for group in report.groups:
         left.update(group.left_out)
     if left:
-        yield f"Not counted: {'; '.join(f'{count} values, {reason}' for reason, count in left.most_common())}."
+        listed = "; ".join(f"{count} values, {reason}" for reason, count in left.most_common())
+        high = ". Without the limits, the mean of a family is rather too large" if left[LIMIT_ONLY] else ""
+        yield f"Not counted: {listed}{high}."
 
 
 def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
     out, changed, vehicles = found_sensors(report)
-    sure = f"any false finding: at most {100 * report.error:g} %"
+    sure = f"chance alone finds one in {100 * report.error:g} % of fleets"
     if not report.findings:
         return f"No sensor is out of family, and none changes ({sure})."
     more = len(rows_of(report)) - MOST

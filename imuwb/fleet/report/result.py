@@ -72,7 +72,7 @@ class FleetReport:
     analysis: str
     command: str  #: that made the tables
     options: str  #: of the analysis, where they differ from the defaults
-    error: float  #: largest probability of any false finding
+    error: float  #: probability that chance makes any finding
     level: float  #: of the intervals
     logs: Mapping[str, LogRow]  #: key -> log
     count: int  #: logs that were found
@@ -119,7 +119,7 @@ def fleet_report(
     Args:
         state: of the run.
         tables: name -> table, as ``imuwb.fleet.schemas`` states them.
-        error: largest probability that a fleet without any such sensor has any finding.
+        error: probability that chance makes any finding in a fleet without any such sensor.
         level: of the intervals.
         doubtful: whether values count that a remark puts in doubt.
         options: of the analysis, where they differ from the defaults, as words of a command.

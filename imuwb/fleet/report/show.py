@@ -177,8 +177,8 @@ def _findings(report: FleetReport, rows: Sequence[Row]) -> Table:
         for row in rows[:ROWS]
     )  # fmt: skip
     caption = (
-        f"The worst first. All findings together are false with at most {100 * report.error:g} % probability, if no sensor is out of family or "
-        "changes. The last column is the command that makes the recording of the log."
+        f"The worst first. Where no sensor is out of family or changes, and sensors differ as normal variables do, chance makes any finding in "
+        f"{100 * report.error:g} % of fleets. The last column is the command that makes the recording of the log."
     )
     return Table(
         "Findings", ("sensor", "finding", "of", "by", "family", "by chance", "see the log"), cells, caption, wide=True
@@ -225,7 +225,8 @@ def family_table(report: FleetReport) -> Table:
     )  # fmt: skip
     caption = (
         "Standard deviations by random effects (restricted likelihood), without the sensors out of family; from log to log beyond what the "
-        "intervals of the logs state. < is a limit: the intervals of the logs explain the scatter."
+        "intervals of the logs state. < is a limit: the intervals of the logs explain the scatter. Where logs give a limit only, the family is that "
+        "of the other logs: its mean is rather too large."
     )
     headings = (
         "type", "of", "sensors", "logs", "mean [interval]", "between sensors", "from log to log",

@@ -61,7 +61,7 @@ class Judged:
 class Judgement:
     """All families of a fleet."""
 
-    error: float  #: largest probability of any false finding
+    error: float  #: probability that chance makes any finding, as in ``judge``
     level: float  #: of the intervals
     families: Mapping[str, Judged]
 
@@ -86,7 +86,8 @@ def judge(families: Mapping[str, Observations], error: float = 0.01, level: floa
 
     Args:
         families: name -> observations of at least one row.
-        error: largest probability that a fleet without any such sensor has any finding.
+        error: probability that a fleet without any such sensor has any finding, if its sensors differ as normal variables do. What is
+            measured is in tests/studies/fleet_judgement.md.
         level: of the intervals.
     """
     slopes = _slopes(families, error / KINDS, level)
