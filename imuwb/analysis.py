@@ -1,5 +1,7 @@
 """The contracts of plugins: analyses and conditioners, and what a review shows for them.
 
+``imuwb.testing`` asks whether a plugin keeps them; ``imuwb plugins new`` writes a plugin that does.
+
 An analysis is a module, or any object, with these parts:
 
 * ``Parameters``: a frozen dataclass whose fields are the options of the command; ``imuwb.options`` states how they are declared.
@@ -54,7 +56,7 @@ and these, if it needs them:
   ``NAME.parameter``, and the values (as texts) of other parameters that go with it;
 * ``ORDER``, a number: in each setting of a study, conditioners run in rising order; those without a number run last.
 
-It is registered under ``imuwb.conditioners``.
+It is registered under ``imuwb.conditioners``, or is a single file: ``--through ./mine.py:key=value``.
 """
 
 from __future__ import annotations

@@ -29,6 +29,7 @@ TERMS = {
         "log.py",
         "summary.py",
         "selection.py",
+        "testing",
         "writers",
     },  # a quantity
     "wavelet": {"identification"},  # a kind of variance

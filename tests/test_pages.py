@@ -22,7 +22,7 @@ def test_python_blocks_run(block, monkeypatch, capsys):
 
 
 def test_the_plugin_runs_and_is_as_short_as_its_page_states(monkeypatch, tmp_path, capsys):
-    plugin = next(b for b in BLOCKS if "jerk" in b)
+    plugin = next(b for b in BLOCKS if b.startswith("# jerk.py"))
     assert len([line for line in plugin.splitlines() if line.strip()]) <= 27
     monkeypatch.chdir(tmp_path)
     Path("jerk.py").write_text(plugin, "utf-8")
@@ -34,9 +34,18 @@ def test_the_plugin_runs_and_is_as_short_as_its_page_states(monkeypatch, tmp_pat
     assert Path("jerk.rrd").stat().st_size > 50_000
 
 
+def test_the_plugin_of_the_page_keeps_its_contract(tmp_path):
+    from imuwb import registry
+    from imuwb.testing import check
+
+    file = tmp_path / "jerk.py"
+    file.write_text(next(b for b in BLOCKS if b.startswith("# jerk.py")), "utf-8")
+    check(registry.load_file(file), "jerk", parameters={"axis": "x"}).require()
+
+
 def test_the_plugin_runs_on_a_real_log(shared, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
-    Path("jerk.py").write_text(next(b for b in BLOCKS if "jerk" in b), "utf-8")
+    Path("jerk.py").write_text(next(b for b in BLOCKS if b.startswith("# jerk.py")), "utf-8")
     log = shared / "mcap" / "husky_test1_ros2cdr_zstd.mcap"
     monkeypatch.setattr(sys, "argv", ["imuwb", "./jerk.py", str(log), "-o", "husky.rrd"])
     with pytest.raises(SystemExit, match="0"):

@@ -30,7 +30,7 @@ COMMANDS = {
     "report": (RESULTS, "Make one page of several analyses of a sensor or a drive, from their recordings."),
     "catalog": (RESULTS, "Write a page of a folder of recordings: what each found, with links, sortable."),
     "explain": (RESULTS, "Say in a paragraph what a term, a verdict or a fault means."),
-    "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
+    "plugins": (RESULTS, "List the installed plugins, write a new one, check one."),
     "fleet": (LOGS, "Analyse a fleet of logs, on this machine or a cluster: tables of what each sensor has."),
     "bug-report": (RESULTS, "Collect what a report of a fault needs, without any sample of a log."),
     "warm": (RESULTS, "Compile everything once, so that no later run has to."),

@@ -105,7 +105,7 @@ class Conditions:
     through: Annotated[
         list[str],
         "Conditioner for the samples. Repeat the option for several conditioners, in their order. "
-        "imuwb plugins lists the conditioners.",
+        "imuwb plugins lists the conditioners; a file is one too: ./mine.py.",
         Form("NAME:key=value,...", words=conditioner_words),
     ] = field(default_factory=list[str])
     study: Annotated[

@@ -1,20 +1,28 @@
-"""imuwb plugins: lists what is installed."""
+"""imuwb plugins: lists what is installed, writes a new plugin, and checks one."""
 
 from dataclasses import fields
 from typing import Any, cast
 
+import typer
+
 from imuwb import registry
+from imuwb.cli import check_plugin, new_plugin
+
+app = typer.Typer(
+    help="List the installed plugins, write a new one, check one.\n\n"
+    "Without a command, all analyses, conditioners and readers are listed, with the parameters of conditioners and the package that each comes from."
+)
+app.command("new")(new_plugin.new)
+app.command("check")(check_plugin.check)
 
 KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS), ("reader", registry.READERS))
 
 
-def plugins() -> None:
-    """List the installed analyses, conditioners and readers.
-
-    The list shows the parameters of conditioners, and the package that each plugin comes from.
-
-    Example: imuwb plugins
-    """
+@app.callback(invoke_without_command=True)
+def plugins(context: typer.Context) -> None:
+    """Print the list of plugins, unless a command follows."""
+    if context.invoked_subcommand is not None:
+        return
     from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait for rich
     from imuwb.cli.terminal import shower  # noqa: PLC0415
 

@@ -4,6 +4,7 @@ import inspect
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any, cast
 
 from imuwb import registry
@@ -13,6 +14,7 @@ from imuwb.errors import UsageError
 from imuwb.log import Conditioning, Log
 from imuwb.options import Option, options_of, read, text_of
 
+SUFFIX = ".py"  #: of a conditioner that is a file
 UNSTATED = "the conditioner does not state whether it is causal, nor its delay"
 
 
@@ -64,7 +66,7 @@ def step(text: str) -> Step:
     Raises:
         UsageError: an unknown conditioner or key, or a value that the parameter does not allow.
     """
-    name, _, rest = text.partition(":")
+    name, rest = _parted(text)
     pairs = [part.partition("=") for part in rest.split(",")] if rest else []
     for key, mark, _ in pairs:
         if not mark:
@@ -74,6 +76,15 @@ def step(text: str) -> Step:
     if twice:
         raise UsageError(f"--through {text}: {', '.join(sorted(twice))} is given twice; give each key once")
     return step_of(name.strip(), {key.strip(): value.strip() for key, _, value in pairs})
+
+
+def _parted(text: str) -> tuple[str, str]:
+    """Return the name of a conditioner, and what follows it; a file may have a colon in its path."""
+    file, suffix, rest = text.partition(SUFFIX)
+    if suffix and rest[:1] in ("", ":"):
+        return file + suffix, rest[1:]
+    name, _, rest = text.partition(":")
+    return name, rest
 
 
 def step_of(name: str, values: Mapping[str, str], option: str = "--through") -> Step:
@@ -101,18 +112,27 @@ def step_of(name: str, values: Mapping[str, str], option: str = "--through") -> 
         parameters = kind(**{key: _value(options[key], text) for key, text in values.items()})
     except ValueError as error:
         raise UsageError(f"{option} {name}: {error}") from error
-    return Step(name, conditioner, parameters, option)
+    return Step(Path(name).stem if name.endswith(SUFFIX) else name, conditioner, parameters, option)
 
 
 def conditioner_of(name: str, option: str = "--through") -> Conditioner:
-    """Return a conditioner by its name.
+    """Return a conditioner by its name, or from its file.
 
     Raises:
         UsageError: there is no such conditioner, or it cannot be imported.
     """
+    if name.endswith(SUFFIX):
+        loaded = registry.load_file(name)
+        if missing := [part for part in ("Parameters", "condition") if not offers(loaded, part)]:
+            raise UsageError(
+                f"{option} {name}: a conditioner must have Parameters and condition; it lacks {missing[0]}"
+            )
+        return cast("Conditioner", loaded)
     points = registry.installed(registry.CONDITIONERS)
     if name not in points:
-        raise UsageError(f"{option} {name}: there is no such conditioner; there are {', '.join(points)}")
+        raise UsageError(
+            f"{option} {name}: there is no such conditioner; there are {', '.join(points)}, or the path of a file"
+        )
     conditioner = registry.load(points[name])
     if conditioner is None:
         raise UsageError(f"{option} {name}: the conditioner cannot be imported; see the warning")

@@ -110,7 +110,7 @@ def _stationarity(estimates: Mapping[str, EstimatorComparison]) -> Table:
         "A record is not stationary if the Allan deviations of its parts differ more than chance makes them (1 % over all averaging "
         "times)."
     )
-    return Table("Stationarity", ("axis", "stationary", "probability", "part that differs most"), tuple(rows), caption)
+    return Table("Stationarity", ("axis", "stationary", "probability [1]", "part that differs most"), tuple(rows), caption)
 
 
 def _sums(estimates: Mapping[str, EstimatorComparison]) -> Table:
@@ -124,9 +124,9 @@ def _sums(estimates: Mapping[str, EstimatorComparison]) -> Table:
         "axis",
         "sum",
         "Gauss-Markov terms",
-        "BIC over the best",
-        "AIC over the best",
-        "out of sample over the best",
+        "BIC over the best [1]",
+        "AIC over the best [1]",
+        "out of sample over the best [1]",
     )
     caption = (
         "Sums of processes, in the order of BIC. Out of sample: each half of the record is tested with the fit to the other half "

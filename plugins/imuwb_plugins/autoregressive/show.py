@@ -69,7 +69,7 @@ def _coefficients(result: Result, axes: dict[str, AutoregressiveAxis]) -> Table:
         f"autoregressive of this order); * differs from 0 at {100 * result.level:g} %."
     )
     headings = (
-        "axis", "order", "alpha [1]", "beta0", "magnitude of the largest pole [1]", "BIC over order 1", "AICc over order 1"
+        "axis", "order", "alpha [1]", "beta0", "magnitude of the largest pole [1]", "BIC over order 1 [1]", "AICc over order 1 [1]"
     )  # fmt: skip
     return Table(f"Autoregressive models of {result.imu}", headings, tuple(rows), caption)
 
@@ -95,8 +95,8 @@ def _verdicts(axes: dict[str, AutoregressiveAxis]) -> Table:
     headings = (
         "axis",
         "order",
-        "Ljung-Box statistic, order + 20 lags",
-        "probability",
+        "Ljung-Box statistic, order + 20 lags [1]",
+        "probability [1]",
         "largest correlation [1]",
         "verdict",
     )

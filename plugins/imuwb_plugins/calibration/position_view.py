@@ -47,7 +47,7 @@ def _residuals(result: PositionResult, sensor: str) -> Figure:
         )
     zero = Curve("", np.array([0.5, len(number) + 0.5]), np.zeros(2), INK, style="fit")
     return Figure(
-        f"{name}: residuals by position, with one standard deviation of the means' noise", "position", f"mean minus fit [{unit}]",
+        f"{name}: residuals by position, with one standard deviation of the means' noise", "position [1]", f"mean minus fit [{unit}]",
         (*curves, zero), x_scale="linear", y_scale="linear", x_limits=(0.5, len(number) + 0.5),
     )  # fmt: skip
 
@@ -63,7 +63,7 @@ def _motions(motions: Motions) -> Figure:
         Curve("root mean square", ends, mean, INK, style="fit"),
     )
     return Figure(
-        "Gyros over a motion: angle between the integrated direction of up and the accelerometers'", "position in which the motion begins",
+        "Gyros over a motion: angle between the integrated direction of up and the accelerometers'", "position in which the motion begins [1]",
         "angle [deg]", curves, x_scale="linear", y_scale="linear", x_limits=(0.5, float(ends[1])),
         y_limits=(0.0, 1.2 * float(size.max()) or 1.0),
     )  # fmt: skip

@@ -32,7 +32,9 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
 
     Raises:
         ValueError: bands that the rate of a sensor does not allow.
+        MissingDataError: the log has no IMU.
     """
+    log.imu()
     filters: dict[str, KaiserFilter] = {}
 
     def design(sensor: str, rate: float) -> Change:

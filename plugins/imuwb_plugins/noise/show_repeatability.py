@@ -44,7 +44,7 @@ def _coefficients(repeatability: Repeatability) -> Table:
         "All logs: root mean square, weighted by duration; a log that does not show a term counts with its limit. The probability that "
         "chance makes the logs differ as much comes from a chi-square test of the squared coefficients against their mean."
     )
-    headings = ("axis", "term", *distinct(repeatability.names, NAME), "all logs", "probability")
+    headings = ("axis", "term", *distinct(repeatability.names, NAME), "all logs", "probability [1]")
     return Table("Repeatability", headings, tuple(rows), caption)
 
 

@@ -36,7 +36,7 @@ def dependence(result: Result) -> Table:
         f"A statistic above the critical value rejects it. If nothing depends on temperature, this happens in "
         f"{100 * result.size:g} % of sensors, for each test."
     )
-    headings = ("axis", "quantity", "statistic", "critical value", "distribution", "verdict", "function")
+    headings = ("axis", "quantity", "statistic [1]", "critical value [1]", "distribution", "verdict", "function")
     return Table(f"Does {result.imu} depend on temperature?", headings, tuple(rows), caption)
 
 
