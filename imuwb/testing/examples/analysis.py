@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from imuwb.analysis import Answer, Curve, Figure, Review, Series, Table
 from imuwb.arrays import Floats, Integers
-from imuwb.colors import BLUE
+from imuwb.colors import AXIS_COLORS
 from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.options import Between, Options
@@ -99,7 +99,7 @@ def draw(result: Result, review: Review) -> None:
         if not axes:
             continue
         curves = tuple(
-            Curve(name, np.linspace(0.0, 100.0, axis.scatter.size), np.sort(axis.scatter), BLUE)
+            Curve(name, np.linspace(0.0, 100.0, axis.scatter.size), np.sort(axis.scatter), AXIS_COLORS[name[-1]])
             for name, axis in axes.items()
         )
         title = f"{sensor}: share of pieces that scatter less"

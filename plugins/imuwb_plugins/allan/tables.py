@@ -110,7 +110,9 @@ def _stationarity(estimates: Mapping[str, EstimatorComparison]) -> Table:
         "A record is not stationary if the Allan deviations of its parts differ more than chance makes them (1 % over all averaging "
         "times)."
     )
-    return Table("Stationarity", ("axis", "stationary", "probability [1]", "part that differs most"), tuple(rows), caption)
+    return Table(
+        "Stationarity", ("axis", "stationary", "probability [1]", "part that differs most"), tuple(rows), caption
+    )
 
 
 def _sums(estimates: Mapping[str, EstimatorComparison]) -> Table:
