@@ -63,7 +63,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, TypeAlias
 
 from imuwb.colors import INK, PALE, Color
 
@@ -74,6 +74,9 @@ if TYPE_CHECKING:
     from imuwb.log import Epoch, Log
     from imuwb.scene import Event, Scene, Span
     from imuwb.statistics import Coefficient, Estimate
+
+
+AxisScale: TypeAlias = Literal["log", "linear", "whole"]  #: whole: linear, with ticks at whole numbers only
 
 
 class DataclassInstance(Protocol):
@@ -139,8 +142,8 @@ class Figure:
     y_title: str
     curves: tuple[Curve, ...]
     marks: tuple[Mark, ...] = ()
-    x_scale: Literal["log", "linear"] = "log"
-    y_scale: Literal["log", "linear"] = "log"
+    x_scale: AxisScale = "log"
+    y_scale: AxisScale = "log"
     verticals: tuple[Vertical, ...] = ()
     x_limits: tuple[float, float] | None = None  #: None: limits that contain all curves
     y_limits: tuple[float, float] | None = None
@@ -281,6 +284,14 @@ class Case:
 
     settings: Mapping[str, str]  #: {"rate": "100", "bandwidth": "42"}, for example
     log: Log
+    units: Mapping[str, str] = field(default_factory=dict[str, str])  #: {"rate": "Hz"}, of the settings that have one
+
+
+def setting_text(settings: Mapping[str, str], units: Mapping[str, str]) -> str:
+    """Return a setting for people: "rate 100 Hz, bandwidth 42 Hz"; a conditioner's name only where two have the same key."""
+    short = {key: key.rpartition(".")[2] for key in settings}
+    shown = {key: name if [*short.values()].count(name) == 1 else key for key, name in short.items()}
+    return ", ".join(f"{shown[key]} {value} {units.get(key, '')}".strip() for key, value in settings.items())
 
 
 def offers(plugin: object, part: str) -> bool:

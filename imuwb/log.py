@@ -308,6 +308,7 @@ class Conditioning:
     note: str = ""
     #: Hz; up to this frequency a spectrum changes by at most 1 %; None: at every frequency
     band: float | None = None
+    without_mean: tuple[str, ...] = ()  #: sensors (gyro, accel) whose mean was removed, that of gravity too
 
 
 @dataclass(frozen=True, eq=False, slots=True)

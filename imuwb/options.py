@@ -16,6 +16,7 @@ These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for
 """
 
 import math
+import re
 import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -85,6 +86,12 @@ class Option:
     between: Between | None = None
     form: Form | None = None
     group: str = ""  #: in ``--help``; empty: that of all options of the dataclass
+
+    @property
+    def unit(self) -> str:
+        """Return the unit in brackets at the end of the help: Hz; empty: there is none."""
+        found = re.search(r"\(([^\s()]+)\)\.?$", self.help)
+        return found[1] if found else ""
 
 
 def options_of(parameters: type) -> tuple[Option, ...]:

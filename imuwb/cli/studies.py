@@ -8,7 +8,7 @@ from imuwb.analysis import Case
 from imuwb.cli.through import Step, conditioner_of, conditioners, step_of
 from imuwb.errors import UsageError
 from imuwb.log import Log
-from imuwb.options import whole_numbers
+from imuwb.options import options_of, whole_numbers
 from imuwb.progress import tracked
 
 MOST_CASES = 200
@@ -67,6 +67,14 @@ def steps_of(setting: Mapping[str, str]) -> list[Step]:
     return [step_of(name, parameters[name], OPTION) for name in names]
 
 
+def _unit(name: str) -> str:
+    """Return the unit of a setting, which its conditioner declares; empty: it has none."""
+    short = _short_names()
+    conditioner, key, *_ = short[name] if name in short else name.split(".", 1)
+    options = options_of(conditioner_of(conditioner, OPTION).Parameters)
+    return next((option.unit for option in options if option.name == key), "")
+
+
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
     """Return {short name: (conditioner, parameter, values of other parameters)}, as the conditioners declare them.
 
@@ -91,10 +99,11 @@ def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:
         UsageError: a setting does not suit a log, such as a bandwidth above half its rate.
     """
     settings = grid(texts)
+    units = {name: unit for name in settings[0] if (unit := _unit(name))} if settings else {}
     for log in tracked(logs, len(logs)):
         for setting in tracked(settings, len(settings)):
             changed = log
             for step in steps_of(setting):
                 changed, _ = step.apply(changed)
             name = {"log": log.provenance.path} if len(logs) > 1 else {}
-            yield Case({**name, **setting}, changed)
+            yield Case({**name, **setting}, changed, units)

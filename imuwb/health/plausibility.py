@@ -38,6 +38,8 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
         worst = float(rate[int(np.nanargmax(np.abs(rate)))])
         yield Fault(f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
                     longest.start, longest.length, "subtract this bias, unless the IMU turns at a constant rate")  # fmt: skip
+    if _is_centred(log):
+        return
     size = _size(log, imu.specific_force, longest)
     off = size / STANDARD_GRAVITY - 1
     likely = _likely(size)
@@ -56,6 +58,8 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
 def felt_gravity(log: Log, imu: ImuStream) -> Iterator[Fault]:
     """Yield a fault if the usual specific force of an IMU is not of the size of gravity and of its accelerations."""
     triad = imu.specific_force
+    if _is_centred(log):
+        return
     if "accel" in imu.origin.counts or triad is None or len(triad.axes) < 3 or not len(triad):  # noqa: PLR2004 - the size needs three axes
         return
     size = float(np.median(np.linalg.norm(triad.value[:: len(triad) // LOOKED_AT + 1], axis=1)))
@@ -69,6 +73,11 @@ def felt_gravity(log: Log, imu: ImuStream) -> Iterator[Fault]:
         text = f"the specific force is usually {size:.4g} m/s²; gravity and the accelerations make {expected:.3g} m/s²"
         consequence = "units or scale are wrong" + (f"; the unit is likely {likely}" if likely else "")
         yield Fault(f"{imu.name} accelerometers", "gravity", text, "fault", consequence=consequence)
+
+
+def _is_centred(log: Log) -> bool:
+    """Return whether a conditioner removed the mean of the accelerometers, so that their size shows no fault of the log."""
+    return any("accel" in step.without_mean for step in log.conditioning)
 
 
 def _no_gravity(imu: ImuStream, size: float, where: Segment | None) -> Fault:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from imuwb import registry
+from imuwb.analysis import setting_text
 from imuwb.cli.studies import cases, grid, steps_of
 from imuwb.errors import UsageError
 from imuwb_plugins import bandwidth, bias, decimate
@@ -70,6 +71,13 @@ def test_a_study_that_cannot_be_is_wrong_usage(texts, named):
 def test_a_setting_that_the_log_cannot_have_is_named(static_log, study, named):
     with pytest.raises(UsageError, match=named):
         list(cases([static_log], [study]))
+
+
+def test_a_setting_has_its_unit(static_log):
+    texts = ["rate=25", "bandwidth=10", "wavelet.levels=3"]
+    (case,) = cases([static_log], texts)
+    assert setting_text(case.settings, case.units) == "rate 25 Hz, bandwidth 10 Hz, levels 3"
+    assert setting_text({"a.x": "1", "b.x": "2"}, {"b.x": "s"}) == "a.x 1, b.x 2 s"
 
 
 def test_a_wrong_study_is_wrong_usage_and_leaves_nothing(imuwb, static_mcap, tmp_path):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from imuwb.health import check
 from imuwb_plugins import bias
 
 
@@ -62,3 +63,12 @@ def test_seconds_shorter_than_a_sample_take_the_first(make_log, values):
 def test_seconds_are_positive(seconds):
     with pytest.raises(ValueError, match="seconds is"):
         bias.Parameters(seconds)
+
+
+@pytest.mark.parametrize("samples", [False, True])
+@pytest.mark.parametrize(("sensors", "missed"), [("both", False), ("gyro", True)])
+def test_gravity_that_was_taken_off_is_not_missed(make_log, samples, sensors, missed):
+    white = np.random.default_rng(2).normal(0, 0.01, (2, 6000, 3))
+    log, _ = condition(make_log(white[0], white[1]), sensors=sensors)  # gravity is missing before
+    found = {fault.kind for fault in check(log, samples=samples).faults}
+    assert ("no gravity" in found) is missed

@@ -1,13 +1,14 @@
-"""One axis of a figure, logarithmic or linear: its limits, its ticks, and where a value lies on it."""
+"""One axis of a figure, logarithmic, linear or of whole numbers: its limits, its ticks, and where a value lies on it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
+
+from imuwb.analysis import AxisScale
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STEPS = 6  #: approximate number of steps of a linear axis
@@ -31,23 +32,23 @@ class Tick:
 class Scale:
     """An axis from ``low`` to ``high``; on a logarithmic axis they are exponents of ten."""
 
-    kind: Literal["log", "linear"]
+    kind: AxisScale
     low: float
     high: float
 
     @staticmethod
-    def around(kind: Literal["log", "linear"], parts: Iterable[object], limits: tuple[float, float] | None) -> Scale:
+    def around(kind: AxisScale, parts: Iterable[object], limits: tuple[float, float] | None) -> Scale:
         """Return an axis with the given limits; without limits, an axis around all values that it can show."""
         if limits is not None:
             low, high = limits
             return Scale(kind, math.log10(low), math.log10(high)) if kind == "log" else Scale(kind, low, high)
         arrays = [np.asarray(part, dtype=np.float64) for part in parts if part is not None]
         values = np.concatenate(arrays) if arrays else np.ones(1)
-        values = values[np.isfinite(values) & ((values > 0) | (kind == "linear"))]
+        values = values[np.isfinite(values) & ((values > 0) | (kind != "log"))]
         if not values.size:
             values = np.ones(1)
         low, high = float(values.min()), float(values.max())
-        if kind == "linear":
+        if kind != "log":
             air = (high - low) * AIR or abs(high) * FLAT_AIR or 1.0
             return Scale(kind, low - air, high + air)
         low = math.floor(math.log10(low) * THIRDS - LOG_AIR) / THIRDS
@@ -63,7 +64,7 @@ class Scale:
 
     def shows(self, value: float) -> bool:
         """Return whether a value has a position: it is finite, and positive on a logarithmic axis."""
-        return math.isfinite(value) and (value > 0 or self.kind == "linear")
+        return math.isfinite(value) and (value > 0 or self.kind != "log")
 
     def contains(self, value: float) -> bool:
         """Return whether a value lies between the ends."""
@@ -89,6 +90,7 @@ class Scale:
         span = self.high - self.low
         step = 10 ** math.floor(math.log10(span / STEPS))
         step *= next(factor for factor in (1, 2, 5, 10) if span / (step * factor) <= STEPS * 1.5)
+        step = max(step, 1.0) if self.kind == "whole" else step
         digits = -math.floor(math.log10(step) + EDGE)
         first, last = math.ceil(self.low / step - EDGE), math.floor(self.high / step + EDGE)
         return [(k * step, _tick_text(k * step, digits)) for k in range(first, last + 1)]

@@ -13,6 +13,7 @@ LETTER, NARROW_LETTER, WIDE_LETTER, CAPITAL = 6.9, 3.9, 10.3, 7.9  # widths
 MONOSPACE = 7.7  #: width of a letter in a block of code
 ROW, LINE = 23.0, 15.5  #: height of a row of a table, and of a line of text
 COLUMN_GAP = 8.0
+LEGEND_ROW = 23.0  #: height of a row of the legend of a chart over time
 AIR = 30.0  #: around a table, left and right together
 TABLE_FRAME, CAPTION_GAP = 52.0, 18.0  #: heights
 LEAST_COLUMN = 12  #: letters

@@ -80,7 +80,8 @@ def _rendered(item: Drawing, look: Look, form: str, *, legend: bool) -> tuple[by
             _series(item, look, axes)
         else:
             _tracks(item, look, axes)
-        put_ticks(axes)
+        scales = (item.x_scale, item.y_scale) if isinstance(item, Figure) else ("linear", "linear")
+        put_ticks(axes, scales)
         for line in (*axes.get_xgridlines(), *axes.get_ygridlines()):
             line.set_clip_on(False)
         handles, labels = axes.get_legend_handles_labels()
@@ -107,8 +108,8 @@ def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
     axes.set(
         xlabel=_plain(figure.x_title),
         ylabel=_plain("\n".join(textwrap.wrap(figure.y_title, TITLE))),
-        xscale=figure.x_scale,
-        yscale=figure.y_scale,
+        xscale="log" if figure.x_scale == "log" else "linear",
+        yscale="log" if figure.y_scale == "log" else "linear",
     )
     _limit(axes, figure)
     for curve in figure.curves:

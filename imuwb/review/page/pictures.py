@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.analysis import Figure, Series
+from imuwb.analysis import AxisScale, Figure, Series
 from imuwb.log import SECOND
 from imuwb.review.drawn.calls import Drawn, Track
 from imuwb.review.page.canvas import Drawing, Entry, Look, mark_text, render, render_apart
@@ -70,6 +70,9 @@ def _sample(entry: Entry) -> str:
     return f'<svg viewBox="0 0 24 10" aria-hidden="true">{paths}</svg>'
 
 
+_SCALES: dict[AxisScale, str] = {"log": "log", "linear": "linear", "whole": "whole numbers"}
+
+
 def described(drawing: Drawing) -> str:
     """Return what a picture shows in words: its curves, its axes and their ranges, its marks."""
     if isinstance(drawing, Figure):
@@ -78,7 +81,7 @@ def described(drawing: Drawing) -> str:
         up = _extent([np.asarray(curve.y, float) for curve in drawing.curves])
         marks = "; ".join(mark_text(drawing, mark) for mark in drawing.marks)
         return (
-            f"{curves}Across: {drawing.x_title}, {across}, {drawing.x_scale}. Up: {drawing.y_title}, {up}, {drawing.y_scale}."
+            f"{curves}Across: {drawing.x_title}, {across}, {_SCALES[drawing.x_scale]}. Up: {drawing.y_title}, {up}, {_SCALES[drawing.y_scale]}."
             f"{f' Marks: {marks}.' if marks else ''}"
         )
     if isinstance(drawing, Series):

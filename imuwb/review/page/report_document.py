@@ -22,7 +22,7 @@ DIGITS = 4  #: significant digits of a value
 STEPS = 5000  #: of a range of values that can be told apart
 EXACT = 2**53  #: up to it every whole number is a float
 PLACES = 9  #: decimals of a position in rad: 6 mm
-STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band", "bar"), ("log", "linear")
+STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band", "bar"), ("log", "linear", "whole")
 EPOCHS: tuple[Epoch, ...] = ("unix", "boot", "log")
 
 

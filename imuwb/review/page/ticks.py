@@ -5,21 +5,21 @@ from typing import Any
 
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
+from imuwb.analysis import AxisScale
+
 PLAIN = (1e-3, 1e4)  #: powers of ten that are written as numbers
 FEW = 1.6  #: decades; a shorter axis has ticks at 2 and 5 too
 ONE = 0.6  #: decades; a shorter axis has evenly spaced ticks
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def put_ticks(axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
-    """Put ticks on both axes. A logarithmic axis shorter than two decades has more than one tick."""
-    for axis, scale, limits in (
-        (axes.xaxis, axes.get_xscale(), axes.get_xlim()),
-        (axes.yaxis, axes.get_yscale(), axes.get_ylim()),
-    ):
+def put_ticks(axes: Any, scales: tuple[AxisScale, AxisScale]) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Put ticks on both axes, whose scales are given. A logarithmic axis shorter than two decades has more than one tick."""
+    for axis, scale, limits in zip((axes.xaxis, axes.yaxis), scales, (axes.get_xlim(), axes.get_ylim()), strict=True):
         axis.set_minor_locator(NullLocator())
         if scale != "log":
-            axis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
+            whole = scale == "whole"
+            axis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10] if whole else [1, 2, 2.5, 5, 10], integer=whole))
             continue
         decades = math.log10(max(limits) / min(limits)) if min(limits) > 0 else 1.0
         locator = LogLocator(10, subs=(1.0, 2.0, 5.0) if decades < FEW else (1.0,), numticks=9)

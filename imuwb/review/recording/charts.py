@@ -12,6 +12,8 @@ import rerun.blueprint as rrb
 from imuwb.analysis import Series
 from imuwb.arrays import Floats, Integers
 from imuwb.review.drawn.envelope import envelope
+from imuwb.review.figures.corner import Corner, free_corner
+from imuwb.review.figures.sizes import LEGEND_ROW, text_width
 from imuwb.review.figures.value_axis import value_range
 from imuwb.review.scene.shading import Chart
 from imuwb.review.scene.timelines import Timelines
@@ -19,6 +21,8 @@ from imuwb.texts import printable
 
 WIDTH = 1.2  #: width of a line
 LOW_STEPS = 7  #: steps that have labels in the low charts beside a scene
+NARROWEST, LOWEST = 260.0, 105.0  #: width and height of the field of a chart beside a scene, px
+LEGEND_AIR = 45.0  #: what the width of a legend has besides its texts, px
 WHOLE = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
 
 
@@ -53,7 +57,7 @@ def charts(
             shown = [number == k for k in range(len(group))] if len(group) > 1 else []
             limits = _limits(one, timelines, beside=beside, growing=first == 0)
             yield (
-                _view(one, own, shown, limits, beside=beside),
+                _view(one, own, shown, limits, _corner(one, timelines, limits) if beside else "RightTop"),
                 Chart(own, one.time, one.values, one.series.spans, limits),
             )
 
@@ -110,11 +114,23 @@ def _limits(one: _Drawn, timelines: Timelines, *, beside: bool, growing: bool) -
     return None if growing else value_range(one.values[inside], LOW_STEPS)
 
 
+def _corner(one: _Drawn, timelines: Timelines, limits: tuple[float, float] | None) -> Corner:
+    """Return the corner of the legend of a chart beside a scene, which is narrow and low, in the window that is seen first."""
+    if not one.time.size:
+        return "LeftTop"
+    first = next(iter(timelines.windows), None)
+    shown = (int(one.time[0]), int(one.time[-1])) if first is None else (first.begin, first.end)
+    names = {*one.series.names}
+    width = (max(map(text_width, names), default=0.0) + LEGEND_AIR) / NARROWEST
+    height = LEGEND_ROW * (len(names) + 1) / LOWEST  # a row more, for what is shaded
+    return free_corner(one.time, one.values, shown, limits, (min(width, 1.0), min(height, 1.0)))
+
+
 def _view(
-    one: _Drawn, path: str, shown: Sequence[bool], stated: tuple[float, float] | None, *, beside: bool
+    one: _Drawn, path: str, shown: Sequence[bool], stated: tuple[float, float] | None, corner: Corner
 ) -> rrb.View:  # fmt: skip
     """Return the view of a chart; ``shown`` tells which lines of its entity it shows, if not all."""
-    legend = rrb.PlotLegend(corner="LeftTop" if beside else "RightTop", visible=len(one.series.names) > 1)
+    legend = rrb.PlotLegend(corner=corner, visible=len(one.series.names) > 1)
     return rrb.TimeSeriesView(
         origin=path, name=printable(f"{one.series.title} [{one.series.unit}]"), axis_x=rrb.TimeAxis(view_range=WHOLE),
         axis_y=None if stated is None else rrb.ScalarAxis(range=stated), plot_legend=legend,

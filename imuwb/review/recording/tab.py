@@ -80,12 +80,18 @@ class Tab:
         parts = pages(self.pictures, self.series if self.stage is None else (), self.tables, self.notes)
         shown = [self._page(part, recording) for part in parts]
         if self.stage is not None:
-            shown.insert(0, self.stage.layout("In time", self.series))
+            shown.insert(0, self.stage.layout("In time", self.series, [*map(self._entries, self.quantities)]))
         if not shown:
             return None
         if len(shown) == 1:
             return rrb.Vertical(*shown[0].contents, row_shares=shown[0].row_shares, name=self.name)
         return rrb.Tabs(*shown, name=self.name)
+
+    def _entries(self, series: Series) -> int:
+        """Return the number of rows of the legend of a chart beside a scene."""
+        shaded = {span.text for span in (*series.spans, *self.spans)}
+        marked = {event.level for event in self.events if event.level != "note"}
+        return len({*series.names}) + len(shaded) + len(marked)
 
     def _page(self, page: Page, recording: rr.RecordingStream) -> rrb.Vertical:
         rows: list[rrb.Container | rrb.View] = []

@@ -28,7 +28,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[flo
     # If the beginning is the whole record, its mean is not causal.
     causal = parameters.seconds is not None and parameters.seconds < end
     text = f"seconds={'all' if parameters.seconds is None else f'{parameters.seconds:g}'},sensors={parameters.sensors}"
-    step = Conditioning("bias", text, causal, 0.0)
+    step = Conditioning("bias", text, causal, 0.0, without_mean=tuple(sensors))
     taken = {sensor: mean.tolist() for sensor, mean in means[0].items()}
     return replace(log, imus=imus, conditioning=(*log.conditioning, step)), taken
 

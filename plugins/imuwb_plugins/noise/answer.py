@@ -68,7 +68,7 @@ def answer_study(result: Study) -> Answer:
     """Return N of each axis in each setting."""
     axes = [axis for axis in AXES if all(axis in case.axes for case in result.cases)]
     rows = tuple(
-        (", ".join(f"{key} {value}" for key, value in case.settings.items()),
+        (case.text,
          *(_short(case.axes[axis].coefficients.get("N", UNKNOWN), _unit(axis, "N")) for axis in axes))
         for case in result.cases[:SETTINGS]
     )  # fmt: skip

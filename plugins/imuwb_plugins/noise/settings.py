@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
-from imuwb.analysis import Case
+from imuwb.analysis import Case, setting_text
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError
@@ -43,6 +43,7 @@ class CaseResult:
     axes: dict[str, AxisCase]
     ratio: dict[str, float]  #: sensor -> rate / (2 bandwidth); empty if the setting has no bandwidth
     slowest: dict[str, float]  #: sensor -> s, motion must be slower; empty if the setting has no denoising
+    text: str = field(metadata={"document": False})  #: the setting, for people
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,13 +86,14 @@ def _case(case: Case, level: float) -> CaseResult:
     axes = axes_of(case.log.imu())
     results = {name: r for name, r in for_each(axes, lambda axis: _axis(axis, level)).items() if r is not None}
     if not results:
-        setting = ", ".join(f"{k}={v}" for k, v in case.settings.items())
+        setting = setting_text(case.settings, case.units)
         raise MissingDataError(
             f"{case.log.provenance.path}, {setting}: fewer than {FEWEST} samples are left, or all channels are constant; "
             "leave this setting out"
         )
     rate = rates(axes)
-    return CaseResult(dict(case.settings), rate, results, _ratio(case.settings, rate), _slowest(case.settings, rate))
+    ratio, slowest = _ratio(case.settings, rate), _slowest(case.settings, rate)
+    return CaseResult(dict(case.settings), rate, results, ratio, slowest, setting_text(case.settings, case.units))
 
 
 def _axis(axis: Axis, level: float) -> AxisCase | None:

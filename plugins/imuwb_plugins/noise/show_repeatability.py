@@ -15,6 +15,7 @@ from imuwb_plugins.noise.repeatability import Compared, Repeatability
 
 LEAST = 0.1  #: share of a value at which a bar ends that would reach 0; a logarithmic axis has no 0
 NAME = 24  #: columns of the name of a log
+NARROW = 3.0  #: ratio of the ends of all bars, up to which a linear axis shows more than a logarithmic one
 ASIDE = 0.08  #: distance between the axes' bars at one log
 
 
@@ -71,8 +72,17 @@ def _turn_on(repeatability: Repeatability) -> Table:
 
 
 def _figures(repeatability: Repeatability) -> Iterator[Figure]:
-    """Yield N and B of each axis from log to log, with their intervals; of a limit only the upper end of the bar shows."""
+    """Yield N and B of each axis from log to log, with their intervals; of a limit only the upper end of the bar shows.
+
+    What differs from log to log comes first.
+    """
     names = distinct(repeatability.names, NAME)
+    for _, figure in sorted(_each(repeatability, names), key=lambda pair: not pair[0]):
+        yield figure
+
+
+def _each(repeatability: Repeatability, names: Sequence[str]) -> Iterator[tuple[bool, Figure]]:
+    """Yield whether an axis differs, and the figure, for each sensor and coefficient."""
     for sensor, title in (("gyro", "Gyroscopes"), ("accel", "Accelerometers")):
         axes = [axis for axis in repeatability.coefficients if axis.startswith(sensor)]
         for letter, name in (("N", "random walk N"), ("B", "bias instability B")):
@@ -80,10 +90,18 @@ def _figures(repeatability: Repeatability) -> Iterator[Figure]:
             if any(np.isfinite(curve.y).any() for curve in curves):
                 unit = coefficient_units(axes[0], letter)[1].name
                 logs = ", ".join(f"{i}: {log}" for i, log in enumerate(names, 1))
-                yield Figure(
-                    f"{title}: {name} from log to log", f"log [1]; {logs}", f"{name} [{unit}]", curves, x_scale="linear",
-                    x_limits=(0.5, len(names) + 0.5),
+                differs = any(f"{axis} {letter}" in repeatability.differ for axis in axes)
+                yield differs, Figure(
+                    f"{title}: {name} from log to log", f"log [1]; {logs}", f"{name} [{unit}]", curves, x_scale="whole",
+                    y_scale="linear" if _are_near(curves) else "log", x_limits=(0.5, len(names) + 0.5),
                 )  # fmt: skip
+
+
+def _are_near(curves: Sequence[Curve]) -> bool:
+    """Return whether all bars lie within a small ratio, so that a logarithmic axis would show them as one line."""
+    ends = np.concatenate([part for c in curves for part in (c.y, c.lower, c.upper) if part is not None])
+    known = ends[np.isfinite(ends)]
+    return bool(known.min() > 0 and known.max() < NARROW * known.min())
 
 
 def _curve(repeatability: Repeatability, axis: str, letter: str, place: int) -> Curve:

@@ -6,7 +6,7 @@ from imuwb.analysis import Curve, Figure, Review, Table, Vertical
 from imuwb.colors import BLUE, INK, color_at
 from imuwb.texts import coefficient_text, estimate_text
 from imuwb.units import UNITS, coefficient_units
-from imuwb_plugins.noise.settings import TOLERANCE, CaseResult, Rule, Study, aliased
+from imuwb_plugins.noise.settings import TOLERANCE, Rule, Study, aliased
 
 WIDEST = 8  #: settings of a table with a column for each
 POINTS = 200
@@ -33,7 +33,7 @@ def _curves(result: Study, sensor: str) -> Figure:
     (name, unit), axis = _SENSORS[sensor], f"{sensor}_z"
     scale = 1 / UNITS[unit].factor
     curves = tuple(
-        Curve(_text(c), c.axes[axis].averaging_time, c.axes[axis].allan_deviation * scale, color_at(i), style="curve")
+        Curve(c.text, c.axes[axis].averaging_time, c.axes[axis].allan_deviation * scale, color_at(i), style="curve")
         for i, c in enumerate(result.cases)
         if axis in c.axes
     )
@@ -78,12 +78,8 @@ def _as_printed(result: Study) -> Table:
         f"{100 * result.level:g} % intervals; below a limit: the record does not show it (N/A in Hassaballa's table 2)."
     )
     return Table(
-        f"{axis.replace('_', ' ')}: coefficients by setting", ("coefficient", *map(_text, cases)), rows, caption
+        f"{axis.replace('_', ' ')}: coefficients by setting", ("coefficient", *(c.text for c in cases)), rows, caption
     )
-
-
-def _text(case: CaseResult) -> str:
-    return ", ".join(f"{key.removeprefix('wavelet.')} {value}" for key, value in case.settings.items())
 
 
 def _coefficients(result: Study) -> Table:
@@ -92,7 +88,7 @@ def _coefficients(result: Study) -> Table:
         for axis, r in c.axes.items():
             n, b, rate = (coefficient_units(axis, x)[1] for x in ("N", "B", "rate"))
             rows.append((
-                _text(c), axis, f"{c.rate_hz[axis.partition('_')[0]]:.4g} Hz", coefficient_text(r.coefficients["N"], n),
+                c.text, axis, f"{c.rate_hz[axis.partition('_')[0]]:.4g} Hz", coefficient_text(r.coefficients["N"], n),
                 coefficient_text(r.coefficients["B"], b), f"{rate.from_si(r.deviation):.3g} {rate.name}",
                 f"{r.per_step / n.factor**2:.3g} ({n.name})²",
             ))  # fmt: skip

@@ -151,8 +151,7 @@ def study(result: Study, axis: str) -> Figure:
     for i, case in enumerate(c for c in result.cases if axis in c.axes):
         pairs = case.axes[axis]
         alpha, half = np.array([f.alpha for _, f in pairs]), 2 * np.array([f.sigma for _, f in pairs])
-        label = ", ".join(f"{key} {value}" for key, value in case.settings.items())
-        curves.append(Curve(label, np.array([t for t, _ in pairs]), alpha, color_at(i), alpha - half, alpha + half))
+        curves.append(Curve(case.text, np.array([t for t, _ in pairs]), alpha, color_at(i), alpha - half, alpha + half))
     return Figure(
         f"{_name(axis)}: AR(1) by setting", CELSIUS, "alpha [1], ± 2 standard errors", tuple(curves), x_scale="linear",
         y_scale="linear",

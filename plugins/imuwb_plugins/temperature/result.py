@@ -145,6 +145,7 @@ class StudyCase:
 
     settings: dict[str, str]
     axes: dict[str, tuple[tuple[float, FirstOrder], ...]]  #: by temperature, °C
+    text: str = field(metadata={"document": False})  #: the setting, for people
 
 
 @dataclass(frozen=True, eq=False, slots=True)

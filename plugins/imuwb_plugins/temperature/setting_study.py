@@ -1,10 +1,10 @@
 """AR(1) by temperature in each setting of a study, such as a filter's cut-off (El-Diasty, tables 3 to 5)."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from imuwb.analysis import Case
+from imuwb.analysis import Case, setting_text
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import FirstOrder, first_order
 from imuwb.log import AXES
@@ -19,16 +19,21 @@ def study(cases: Iterable[Case], parameters: Parameters) -> Study:
     """Return AR(1) in each setting; that of several logs at one temperature is their weighted mean."""
     by_setting: dict[tuple[tuple[str, str], ...], dict[str, ByTemperature]] = {}
     logs: list[str] = []
+    units: Mapping[str, str] = {}
     for case in cases:
         path = case.log.provenance.path
         if path not in logs:
             logs.append(path)
+        units = case.units
         settings = tuple((k, v) for k, v in case.settings.items() if k != "log")
         axes = by_setting.setdefault(settings, {})
         for axis, pairs in _first_orders(case, logs.index(path), parameters).items():
             axes.setdefault(axis, []).extend(pairs)
     return Study(CONVENTION, tuple(
-        StudyCase(dict(settings), {axis: _merged(axes[axis]) for axis in AXES if axis in axes})
+        StudyCase(
+            dict(settings), {axis: _merged(axes[axis]) for axis in AXES if axis in axes},
+            setting_text(dict(settings), units),
+        )
         for settings, axes in by_setting.items()
     ))  # fmt: skip
 

@@ -228,6 +228,6 @@ def study(result: Study, axis: str) -> Table:
         (f"{t:.4g}", *(next((alpha_text(f) for at, f in c.axes[axis] if round(at, 1) == t), "—") for c in cases))
         for t in celsius
     )
-    headings = ("temperature [°C]", *(", ".join(f"{k} {v}" for k, v in c.settings.items()) for c in cases))
+    headings = ("temperature [°C]", *(c.text for c in cases))
     caption = f"{result.convention}. ± Bartlett's standard error; in brackets that of a true AR(1), which a filtered series is not."
     return Table(f"{axis}: AR(1) by temperature and setting", headings, rows, caption)

@@ -200,6 +200,7 @@ def test_coefficients_are_drawn_from_log_to_log_with_their_intervals():
     (found,) = [f for f in figures if "random walk N" in f.title]
     (curve,) = found.curves
     assert found.x_title == "log [1]; 1: a.csv, 2: b.csv"
+    assert (found.x_scale, found.y_scale) == ("whole", "linear")  # a logarithmic axis would show one line
     assert curve.label == "gyro x"
     assert curve.y[1] / curve.y[0] == pytest.approx(2)
     assert (curve.lower < curve.y).all()

@@ -72,7 +72,7 @@ def result(bandwidth, rate, n, wide=1e-9):
     low, high = (None, 1.0) if n is None else (n * (1 - wide), n * (1 + wide))
     axis = AxisCase(none, none, {"N": Coefficient(n, low, high, at=1.0)}, 1.0, 1.0)
     return CaseResult(
-        {"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis}, {"gyro": rate / (2 * bandwidth)}, {}
+        {"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis}, {"gyro": rate / (2 * bandwidth)}, {}, ""
     )
 
 
@@ -110,7 +110,7 @@ def test_without_a_grid_there_is_no_rule():
 
 
 def test_a_setting_that_leaves_too_little_is_named():
-    with pytest.raises(MissingDataError, match=r"fast\.csv, rate=10: .*256"):
+    with pytest.raises(MissingDataError, match=r"fast\.csv, rate 10 Hz: .*256"):
         study(cases([white(1000, 100)], ["rate=50,10"]), Parameters())
 
 
@@ -123,7 +123,7 @@ def test_settings_are_drawn_over_each_other(grid):
 
     show_settings.draw_study(grid, Review())
     assert len(figures[0].curves) == 9
-    assert figures[0].curves[0].label == "bandwidth 98, rate 200"
+    assert figures[0].curves[0].label == "bandwidth 98 Hz, rate 200 Hz"
     assert [v.text for v in figures[1].verticals] == ["rate = 2 bandwidth"]
     assert [c.label for c in figures[1].curves] == ["gyro z", "white noise, aliased"]
     table, rules = tables  # nine settings are too many for a column each
@@ -137,7 +137,7 @@ def test_the_answer_has_a_row_for_each_setting(grid):
     assert answer.about == f"{count} settings"
     assert len(answer.rows) <= 8
     first = grid.cases[0]
-    assert answer.rows[0][0] == ", ".join(f"{key} {value}" for key, value in first.settings.items())
+    assert answer.rows[0][0] == first.text == "bandwidth 98 Hz, rate 200 Hz"
     n = first.axes["gyro_x"].coefficients["N"]
     assert float(answer.rows[0][1]) == pytest.approx(n.value * 3437.75, rel=6e-3)  # deg/√h
     assert answer.rows[-1][0] == ""

@@ -28,6 +28,13 @@ def test_a_logarithmic_axis_contains_all_values_and_at_least_a_decade(values):
     assert places[-1] < 1
 
 
+@pytest.mark.parametrize("logs", [1, 2, 3, 8, 40])
+def test_an_axis_that_counts_has_whole_numbers_only(logs):
+    ticks = Scale.around("whole", [], (0.5, logs + 0.5)).ticks()
+    assert [t.label for t in ticks] == [str(int(t.label)) for t in ticks]
+    assert 1 <= int(ticks[0].label) <= int(ticks[-1].label) <= logs
+
+
 @given(st.floats(-1e3, 1e3), st.floats(1, 1e5))
 def test_linear_ticks_are_round_and_evenly_spaced_and_their_labels_are_true(low, span):
     scale = Scale.around("linear", [], (low, low + span))

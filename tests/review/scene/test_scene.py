@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from imuwb.analysis import Answer, Bar, Bars, Review, Series, Table
@@ -22,6 +23,7 @@ from imuwb.review.page.themes import PAGE
 from imuwb.review.scene.clock import Clock
 from imuwb.review.scene.shading import Chart, shade
 from imuwb.review.scene.stage import Ground, _of_enu, _rings
+from imuwb.review.scene.theatre import Theatre
 from imuwb.review.scene.timelines import Timelines, Window
 from imuwb.scene import Belief, Caption, Episode, Event, Points, Pose, Scene, Span
 
@@ -271,3 +273,15 @@ def test_an_estimator_that_is_missing_in_an_episode_keeps_its_colour(review):
     assert [len(strip) > 0 for strip in grown[55.0]["LineStrips3D:strips"]] == [False, True]
     static = grown[None]["LineStrips3D:colors"]
     assert [(c >> 24, c >> 8 & 255) for c in static] == [(200, 0), (0, 200)]
+
+
+def test_no_chart_beside_a_scene_is_lower_than_its_legend():
+    views = [rrb.TimeSeriesView(origin=name, name=name * 8) for name in "abcde"]
+    theatre = Theatre(rrb.Spatial3DView(), [rrb.TextDocumentView()])
+    (main,) = theatre.layout("Drive", views, (5, 3, 3, 5, 5)).contents
+    charts = main.contents[1]
+    assert [list(row.contents) if isinstance(row, rrb.Horizontal) else [row] for row in charts.contents] == [
+        views[:1], views[1:3], views[3:4], views[4:],
+    ]  # fmt: skip
+    assert charts.row_shares[2] > 5 * 23 + 40
+    assert sum(charts.row_shares) <= 806  # of a screen of 1440 x 900
