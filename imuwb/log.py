@@ -24,7 +24,7 @@ from imuwb.errors import MissingDataError
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.sampling import sampling
 from imuwb.texts import rows_text
-from imuwb.units import COUNT, SECOND, Epoch
+from imuwb.units import COUNT, SECOND, SENSORS, Epoch
 
 Nanoseconds: TypeAlias = Integers
 #: What the rows of a stream are. Readers also yield "velocity" and "fix" rows, which assembly joins to a receiver.
@@ -32,7 +32,7 @@ Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "refere
 #: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
 Effect = Literal["lost", "time", "order", "value"]
 
-SENSORS, AXES = ("gyro", "accel"), ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 MOST_NOTES = 4  #: notes of a log that an error repeats
 MEAN_SEA_LEVEL = "above mean sea level"  #: part of ``Origin.units`` if heights are not above WGS 84
 BY_FILTER = "estimated by the vehicle's own filter"  #: part of ``Origin.frame`` of such a stream

@@ -42,8 +42,9 @@ class Unit:
         return (value - self.offset) / self.factor
 
 
-#: dimension -> {unit: factor to SI}; the first unit of a dimension is its SI unit.
+SENSORS = ("gyro", "accel")  #: of an IMU; their samples may be counts
 COUNT = "count"  #: unit of samples without a scale
+#: dimension -> {unit: factor to SI}; the first unit of a dimension is its SI unit.
 _TABLE: dict[str, dict[str, float]] = {
     "counts": {COUNT: 1},
     "time": {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": _H},

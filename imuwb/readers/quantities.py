@@ -3,9 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from imuwb.errors import UsageError
-from imuwb.units import COUNT, Unit, unit
+from imuwb.units import COUNT, SENSORS, Unit, unit
 
-SENSORS = ("gyro", "accel")  #: quantities that may be counts
 #: quantity -> the dimension of its units
 DIMENSIONS = {
     "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",

@@ -11,10 +11,10 @@ from imuwb.arrays import Floats
 from imuwb.axes import check_three_axes
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.calibration import clipped, shared, steady
-from imuwb.log import SENSORS, ImuStream, Log, Triad
+from imuwb.log import ImuStream, Log, Triad
 from imuwb.notes import Note
 from imuwb.sampling import sampling
-from imuwb.units import COUNT
+from imuwb.units import COUNT, SENSORS
 
 FEWEST = 64  #: fewest samples of a stretch, for the scatter of its parts
 LEAST, USUAL = 1.0, 10.0  #: s, limits of the shortest duration of a position that is found from a log
