@@ -306,8 +306,7 @@ class Conditioning:
     causal: bool  #: whether no sample depends on later samples, apart from the delay
     delay: float  #: s; the samples lag the motion by this time
     note: str = ""
-    #: Hz; up to this frequency a spectrum changes by at most 1 %; None: at every frequency
-    band: float | None = None
+    band: float | None = None  #: Hz; up to this frequency a spectrum changes by at most 1 %; None: at every frequency
     without_mean: tuple[str, ...] = ()  #: sensors (gyro, accel) whose mean was removed, that of gravity too
 
 
