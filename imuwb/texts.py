@@ -153,16 +153,21 @@ def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     """
     c = coefficient
     if c.value is None:
-        return f"< {unit.from_si(c.upper):.3g} {unit.name}" if math.isfinite(c.upper) else "—"
+        return f"< {_short(unit.from_si(c.upper), 3)} {unit.name}" if math.isfinite(c.upper) else "—"
     low, value = unit.from_si(c.lower or 0.0), unit.from_si(c.value)
     if not math.isfinite(c.upper):
-        return f"{value:.3g} [{low:.3g}, —] {unit.name}"
+        return f"{_short(value, 3)} [{_short(low, 3)}, —] {unit.name}"
     high = unit.from_si(c.upper)
     fewest, most = COEFFICIENT_DIGITS
     digits = fewest
     if high > low and value > 0:
         digits = min(max(2 - math.floor(math.log10((high - low) / value)), fewest), most)
-    return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
+    return f"{_short(value, digits)} [{_short(low, digits)}, {_short(high, digits)}] {unit.name}"
+
+
+def _short(value: float, digits: int) -> str:
+    """Return a number with that many significant digits; a large one as a whole number, without a power of ten."""
+    return f"{value:.{digits}g}" if abs(value) < 10**digits else count_text(float(f"{value:.{digits}g}"))
 
 
 def coefficient_cell(coefficient: Coefficient, unit: Unit) -> str:

@@ -29,7 +29,7 @@ from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.answers.default_answer import ALL, default_answer
 from imuwb.review.answers.document import answer_document, document
 from imuwb.review.answers.log_state import log_state
-from imuwb.review.answers.panel import Origin, panel
+from imuwb.review.answers.panel import WHOLE_HEIGHT, Origin, panel
 from imuwb.review.drawn.calls import Drawn as Shown
 from imuwb.review.page.report import Report, report_of
 from imuwb.review.page.report_document import KEPT, report_from, text_of
@@ -173,7 +173,7 @@ def _drawn(
             name, tuple(map(str, paths)), "" if objections else str(places.model or ""),
             command=request.command or typed_again(places.recording), options=options_given(request.reading, request.part),
         )  # fmt: skip
-        review.summary(panel(answer, origin), answer.figure)
+        review.summary(panel(answer, origin, height=WHOLE_HEIGHT), answer.figure)
         with errors_named(name, analysis):
             text, run = document(
                 name, __version__, done.parameters, done.result, logs, review.notes, done.study,

@@ -19,6 +19,7 @@ from imuwb.replay.references.reference_check import (
     yardsticks,
 )
 from imuwb.replay.scoring.scores import Scores, scores
+from imuwb.texts import counted
 
 Drifts = Mapping[str, Mapping[float, Drift]]  #: filter -> duration -> its drift in the outages of this duration
 OwnScores = Mapping[str, Mapping[float, Scores]]
@@ -76,16 +77,19 @@ def judge(
 
 def _contradicts(duration: float, reference: str, count: int, extent: float) -> Note:
     text = (
-        f"{count} outages of {duration:g} s are not scored: the positions of {reference} contradict its own velocities there, by "
+        f"{_not_scored(count, duration)}: the positions of {reference} contradict its own velocities there, by "
         f"{extent:.1f} m (median), which is more than the drift"
     )
     return Note("reference-contradicts-itself", text)
 
 
 def _unscored(duration: float, lost: int, gaps: int, reference: str) -> tuple[Note, ...]:
-    not_scored = f"outages of {duration:g} s are not scored"
     notes = (
-        Note("no-reference", f"{lost} {not_scored}: {reference} has a gap or ends there, or a filter failed"),
-        Note("gap-in-outage", f"{gaps} {not_scored}: samples of the IMU are missing within them"),
+        Note("no-reference", f"{_not_scored(lost, duration)}: {reference} has a gap or ends there, or a filter failed"),
+        Note("gap-in-outage", f"{_not_scored(gaps, duration)}: samples of the IMU are missing within them"),
     )
     return tuple(note for note, count in zip(notes, (lost, gaps), strict=True) if count)
+
+
+def _not_scored(count: int, duration: float) -> str:
+    return f"{counted(count, 'outage')} of {duration:g} s {'is' if count == 1 else 'are'} not scored"

@@ -204,7 +204,7 @@ def _recorded(
     from imuwb.fleet.report.document import content_of  # noqa: PLC0415 - help must not wait
     from imuwb.fleet.report.show import draw  # noqa: PLC0415
     from imuwb.review.answers.document import document as document_of  # noqa: PLC0415
-    from imuwb.review.answers.panel import panel  # noqa: PLC0415
+    from imuwb.review.answers.panel import WHOLE_HEIGHT, panel  # noqa: PLC0415
     from imuwb.review.page.report import report_of  # noqa: PLC0415
     from imuwb.review.page.report_document import KEPT, report_from, text_of  # noqa: PLC0415
     from imuwb.review.recording.properties import properties, recording_name  # noqa: PLC0415
@@ -214,7 +214,7 @@ def _recorded(
     review = RecordingReview(recording, show=shown.append)
     try:
         draw(found, review, verdicts)
-        review.summary(panel(said, origin))
+        review.summary(panel(said, origin, height=WHOLE_HEIGHT))
         settings = {"error": found.error, "level": found.level}
         text, run = document_of(NAME, __version__, settings, content_of(found, verdicts), (), review.notes)
         stated = properties(NAME, __version__, found.level, (), said, ())

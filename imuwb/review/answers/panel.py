@@ -9,6 +9,7 @@ from imuwb.names import CUT, shortened
 from imuwb.texts import printable
 
 WIDTH, HEIGHT = 80, 15  #: columns and lines
+WHOLE_HEIGHT = 40  #: lines in a recording, which has room for every sentence
 GAP = 2  #: columns between cells
 NAMED = 16  #: columns that the name of the log has at least
 INDENT = 7  #: columns of "Next" and "Wrote" with the blanks after them

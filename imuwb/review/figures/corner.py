@@ -16,8 +16,8 @@ CORNERS: dict[Corner, tuple[bool, bool]] = {  #: whether it is at the right, and
 
 def free_corner(
     time: Integers, values: Floats, shown: tuple[int, int], limits: tuple[float, float] | None, size: tuple[float, float]
-) -> Corner:  # fmt: skip
-    """Return the corner in which a legend hides the least of the lines.
+) -> tuple[Corner, int]:  # fmt: skip
+    """Return the corner in which a legend hides the least of the lines, and how many of their places it hides there.
 
     Args:
         time: (n,) ns, rising.
@@ -30,7 +30,7 @@ def free_corner(
     when = shown[0] + at * (shown[1] - shown[0])
     drawn = np.stack([np.interp(when, time, own, np.nan, np.nan) for own in values.T], axis=1)
     if not np.isfinite(drawn).any():
-        return "LeftTop"
+        return "LeftTop", 0
     low, high = limits or (float(np.nanmin(drawn)), float(np.nanmax(drawn)))
     up = (drawn - low) / ((high - low) or 1.0)
     width, height = size
@@ -40,4 +40,5 @@ def free_corner(
         beside = at >= 1 - width if right else at <= width
         return int((beside[:, None] & ((up >= 1 - height) if top else (up <= height))).sum())
 
-    return min(CORNERS, key=hidden)
+    best = min(CORNERS, key=hidden)
+    return best, hidden(best)

@@ -6,7 +6,7 @@ from pathlib import Path
 from imuwb import __version__
 from imuwb.analysis import Answer, Review
 from imuwb.review.answers.document import json_text
-from imuwb.review.answers.panel import Origin, panel
+from imuwb.review.answers.panel import WHOLE_HEIGHT, Origin, panel
 from imuwb.review.recording.properties import properties, recording_name
 from imuwb.review.recording.review import RecordingReview
 
@@ -35,7 +35,7 @@ def write_answer(
     try:
         review.tab(tab)
         draw(review)
-        review.summary(panel(answer, origin))
+        review.summary(panel(answer, origin, height=WHOLE_HEIGHT))
         stated = properties(origin.analysis, __version__, None, (), answer, ())
         name = f"{recording_name(origin.analysis, (), answer)} · {', '.join(names)}"
         review.state(name, {**stated, "log": list(names)}, json_text({"analysis": origin.analysis, **content}))

@@ -23,6 +23,7 @@ WIDTH = 1.2  #: width of a line
 LOW_STEPS = 7  #: steps that have labels in the low charts beside a scene
 NARROWEST, LOWEST = 260.0, 105.0  #: width and height of the field of a chart beside a scene, px
 LEGEND_AIR = 45.0  #: what the width of a legend has besides its texts, px
+FEW_NAMES, ROOM = 2, 0.6  #: names of a short legend, and the share of a chart's height that it takes
 WHOLE = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
 
 
@@ -50,14 +51,18 @@ def charts(
         plain: whether nothing is shaded in all charts.
     """
     drawn = [_Drawn(series, *envelope(series.time, series.values)) for series in all_series]
+    across = _across(drawn, timelines)
     for first, group in _groups(drawn, plain=plain):
         own = f"{path}/series_{first}"
         _log(group, recording, timelines, own, beside=beside)
         for number, one in enumerate(group):
             shown = [number == k for k in range(len(group))] if len(group) > 1 else []
             limits = _limits(one, timelines, beside=beside, growing=first == 0)
+            corner: Corner = "RightTop"
+            if beside:
+                corner, limits = _placed(one, timelines, limits)
             yield (
-                _view(one, own, shown, limits, _corner(one, timelines, limits) if beside else "RightTop"),
+                _view(one, own, shown, (across, limits), corner),
                 Chart(own, one.time, one.values, one.series.spans, limits),
             )
 
@@ -114,25 +119,43 @@ def _limits(one: _Drawn, timelines: Timelines, *, beside: bool, growing: bool) -
     return None if growing else value_range(one.values[inside], LOW_STEPS)
 
 
-def _corner(one: _Drawn, timelines: Timelines, limits: tuple[float, float] | None) -> Corner:
-    """Return the corner of the legend of a chart beside a scene, which is narrow and low, in the window that is seen first."""
+def _across(drawn: Sequence[_Drawn], timelines: Timelines) -> rr.TimeRange:
+    """Return the times that all charts of a tab show: those of their own log, which may be one of several on the timeline."""
+    ends = [end for one in drawn if one.time.size for end in (int(one.time.min()), int(one.time.max()))]
+    if timelines.windows or not ends or min(ends) == max(ends):
+        return WHOLE
+    begin, end = (rr.TimeRangeBoundary.absolute(nanos=own) for own in (min(ends), max(ends)))
+    return rr.TimeRange(start=begin, end=end)
+
+
+def _placed(
+    one: _Drawn, timelines: Timelines, limits: tuple[float, float] | None
+) -> tuple[Corner, tuple[float, float] | None]:  # fmt: skip
+    """Return the corner of the legend of a chart beside a scene, and the chart's limits, which leave a short legend room above the lines."""
     if not one.time.size:
-        return "LeftTop"
-    first = next(iter(timelines.windows), None)
-    shown = (int(one.time[0]), int(one.time[-1])) if first is None else (first.begin, first.end)
+        return "LeftTop", limits
+    windows = timelines.windows
+    shown = (int(one.time[0]), int(one.time[-1])) if not windows else (windows[0].begin, windows[0].end)
     names = {*one.series.names}
     width = (max(map(text_width, names), default=0.0) + LEGEND_AIR) / NARROWEST
     height = LEGEND_ROW * (len(names) + 1) / LOWEST  # a row more, for what is shaded
-    return free_corner(one.time, one.values, shown, limits, (min(width, 1.0), min(height, 1.0)))
+    size = (min(width, 1.0), min(height, 1.0))
+    corner, hidden = free_corner(one.time, one.values, shown, limits, size)
+    if not hidden or limits is None or len(names) > FEW_NAMES:
+        return corner, limits
+    inside = one.values[np.logical_or.reduce([w.holds(one.time) for w in windows])] if windows else one.values
+    low, top = limits[0], float(np.nanmax(inside))
+    return "LeftTop", (low, max(limits[1], low + (top - low) / (1 - ROOM)))
 
 
 def _view(
-    one: _Drawn, path: str, shown: Sequence[bool], stated: tuple[float, float] | None, corner: Corner
+    one: _Drawn, path: str, shown: Sequence[bool], limits: tuple[rr.TimeRange, tuple[float, float] | None], corner: Corner
 ) -> rrb.View:  # fmt: skip
-    """Return the view of a chart; ``shown`` tells which lines of its entity it shows, if not all."""
+    """Return the view of a chart; ``shown`` tells which lines of its entity it shows, if not all; ``limits``: of times and of values."""
+    across, stated = limits
     legend = rrb.PlotLegend(corner=corner, visible=len(one.series.names) > 1)
     return rrb.TimeSeriesView(
-        origin=path, name=printable(f"{one.series.title} [{one.series.unit}]"), axis_x=rrb.TimeAxis(view_range=WHOLE),
+        origin=path, name=printable(f"{one.series.title} [{one.series.unit}]"), axis_x=rrb.TimeAxis(view_range=across),
         axis_y=None if stated is None else rrb.ScalarAxis(range=stated), plot_legend=legend,
         overrides={path: [rr.SeriesLines.from_fields(visible_series=list(shown))]} if shown else None,
     )  # fmt: skip

@@ -49,7 +49,8 @@ class Theatre:
         Args:
             name: of the tab.
             series: the charts.
-            entries: number of rows of the legend of each chart: the viewer cuts off what is higher than its chart.
+            entries: number of rows of the legend of each chart: the viewer cuts off what is higher than its chart. Two charts
+                beside each other have as much room again, because lines have none beside the legend.
         """
         left = rrb.Vertical(
             self.scene, rrb.Horizontal(*self.below, column_shares=BELOW[: len(self.below)]), row_shares=SCENE_SHARES
@@ -57,7 +58,7 @@ class Theatre:
         main: rrb.Container = left
         if series:
             rows = _rows([*zip(series, entries, strict=True)])
-            heights = [max(CHART_FRAME + LEGEND_ROW * max(n for _, n in row), LOWEST) for row in rows]
+            heights = [max(CHART_FRAME + len(row) * LEGEND_ROW * max(n for _, n in row), LOWEST) for row in rows]
             heights[0] = max(heights[0], HIGHEST)
             views = [_side_by_side([view for view, _ in row]) for row in rows]
             main = rrb.Horizontal(left, rrb.Vertical(*views, row_shares=heights), column_shares=HALVES, name=name)

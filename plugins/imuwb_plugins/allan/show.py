@@ -1,5 +1,7 @@
 """Figures and tables of the Allan analysis."""
 
+import numpy as np
+
 from imuwb.analysis import Curve, Figure, Mark, Review
 from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS, Color
@@ -65,12 +67,12 @@ def _curve(axis: str, time: Floats, ends: tuple[Floats, Floats, Floats], unit: U
 
 
 def _parts(result: Result, review: Review) -> None:
-    """Show the Allan deviations of the parts of the first axis that is not stationary; a table names the others."""
-    for axis, r in result.axes.items():
-        stationarity = r.estimates.stationarity if r.estimates else None
-        if stationarity is not None and not stationarity.stationary:
-            review.figure(_dynamic(axis, stationarity, _UNITS[axis.partition("_")[0]]))
-            return
+    """Show the Allan deviations of the parts of the axis that changes most; a table names the others."""
+    tested = {axis: r.estimates.stationarity for axis, r in result.axes.items() if r.estimates}
+    changing = {axis: s for axis, s in tested.items() if s is not None and not s.stationary}
+    if changing:
+        axis = max(changing, key=lambda axis: float(abs(np.log(changing[axis].worst_ratio))))
+        review.figure(_dynamic(axis, changing[axis], _UNITS[axis.partition("_")[0]]))
 
 
 def _dynamic(axis: str, stationarity: Stationarity, unit: Unit) -> Figure:

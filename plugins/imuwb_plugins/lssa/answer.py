@@ -69,7 +69,7 @@ def _about(result: Result) -> str:
     known = [r for r in result.axes.values() if r.why_none is None]
     if not known:
         return next(r.why_none or "" for r in result.axes.values())
-    return f"lines from {number_text(known[0].lowest)} to {number_text(known[0].highest)} Hz"
+    return f"lines from {number_text(known[0].lowest)} to {number_text(known[0].searched)} Hz"
 
 
 def _row(axis: str, line: PeakResult, others: int) -> tuple[str, ...]:

@@ -73,13 +73,13 @@ def axis_result(
         *_scaled(spectrum, extraction.left_significance, parameters.scale, shown), *_fourier(axis), *critical, lines,
         _constituents(spectrum, parameters.confidence, axis.sensor), _hypotheses(noise_alone, parameters),
         tuple(float(a) for a in adjusted.noise.alpha), adjusted.noise.correlation_time, spectrum.frequency.size, usable.lowest,
-        usable.highest, usable.mirror, None,
+        usable.highest, highest, usable.mirror, None,
     )  # fmt: skip
 
 
 def _without_spectrum(why: str) -> LssaAxis:
     return LssaAxis(
-        NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, None, None, (), {}, (), (), None, 0, 0.0, 0.0, None, why
+        NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, None, None, (), {}, (), (), None, 0, 0.0, 0.0, 0.0, None, why
     )
 
 

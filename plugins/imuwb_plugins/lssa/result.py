@@ -51,6 +51,7 @@ class LssaAxis:
     frequencies: int  #: number of frequencies before thinning
     lowest: float  #: Hz, of the usable band
     highest: float  #: Hz, of the usable band
+    searched: float  #: Hz, up to which lines are looked for
     mirror: float | None  #: Hz
     why_none: str | None  #: why the axis has no spectrum; None: it has one
 

@@ -13,7 +13,7 @@ LSSA = Step("imuwb lssa {log}", "whether the lines are surely there")
 
 
 def answer(result: Result) -> Answer:
-    """Return N and B of each axis, up to where the spectrum is white, and its strongest line."""
+    """Return N and B of each axis, up to where the spectrum is white, its strongest line, and its broad peaks."""
     rows: list[tuple[str, ...]] = []
     for axes in by_sensor(result.axes).values():
         first = next(iter(axes))
@@ -27,6 +27,8 @@ def answer(result: Result) -> Answer:
     rates = " and ".join(dict.fromkeys(f"{number_text(rate)} Hz" for rate in result.rate_hz.values()))
     lines = any(r.lines for r in result.axes.values())
     sentences = tuple(f"{axis.replace('_', ' ')}: {r.why_none}." for axis, r in result.axes.items() if r.why_none)
+    if broad := [f"{axis.replace('_', ' ')} {_resonances(r)}" for axis, r in result.axes.items() if r.resonances]:
+        sentences += (f"Resonances, broad peaks that are no lines: {', '.join(broad)}.",)
     return Answer(
         f"to {number_text(max(result.rate_hz.values()) / 2)} Hz, sampled at {rates}", ("", *LETTERS, "white to", "strongest line"),
         tuple(rows), sentences, (LSSA, NOISE) if lines else (NOISE,), f"{100 * result.level:g} % intervals",
@@ -42,6 +44,10 @@ def _white(r: SpectrumAxis) -> str:
 def _line(r: SpectrumAxis) -> str:
     line = max(r.lines, key=lambda line: line.amplitude.value, default=None)
     return "none" if line is None else f"{line.frequency:.4g} Hz"
+
+
+def _resonances(r: SpectrumAxis) -> str:
+    return f"{' and '.join(number_text(f) for f in r.resonances)} Hz"
 
 
 def _hertz(frequency: float | None) -> str:

@@ -9,7 +9,9 @@ N = 200
 
 
 def corner(*lines, limits=None, shown=(0, N - 1)):
-    return free_corner(np.arange(N), np.stack(lines, axis=1), shown, limits, (0.3, 0.4))
+    found, hidden = free_corner(np.arange(N), np.stack(lines, axis=1), shown, limits, (0.3, 0.4))
+    assert hidden == 0
+    return found
 
 
 @pytest.mark.parametrize(
@@ -32,3 +34,8 @@ def test_only_what_the_chart_shows_counts():
     line = np.where(np.arange(N) < 100, 1.0, 0.0)
     assert corner(line) == "RightTop"
     assert corner(line, shown=(100, N - 1), limits=(0, 1)) == "LeftTop"
+
+
+def test_where_no_corner_is_free_the_first_is_taken():
+    lines = np.stack([np.zeros(N), np.ones(N)], axis=1)
+    assert free_corner(np.arange(N), lines, (0, N - 1), None, (0.3, 0.4)) == ("LeftTop", 30)
