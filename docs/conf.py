@@ -8,6 +8,8 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
 from making import make  # noqa: E402 - after its folder is known
+from sphinx.application import Sphinx  # noqa: E402
+from sphinxcontrib.programoutput import run_programs  # noqa: E402
 
 project, author = "imuwb", "the authors of imuwb"
 version = release = version_of("imuwb")
@@ -20,13 +22,14 @@ extensions = [
     "sphinx_copybutton",
     "sphinxcontrib.programoutput",
 ]
-exclude_patterns = ["inventories", "making", "made/terms/figures.md"]
-myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "fieldlist"]
+exclude_patterns = ["inventories", "pictures", "making", "made/terms/figures.md"]
+myst_enable_extensions = ["colon_fence", "deflist", "fieldlist"]
 myst_heading_anchors = 3
 smartquotes = False  # options begin with two hyphens
 html_theme = "furo"
 html_title = f"imuwb {version}"
-html_show_sourcelink = False
+html_show_sourcelink = html_show_copyright = False
+html_static_path, html_css_files = ["style"], ["site.css"]
 copybutton_prompt_text, copybutton_only_copy_prompt_lines = "$ ", True
 intersphinx_mapping = {
     "python": ("https://docs.python.org/3", str(HERE / "inventories" / "python.inv")),
@@ -37,7 +40,9 @@ napoleon_google_docstring, napoleon_numpy_docstring = True, False
 programoutput_use_ansi = False
 
 
-def setup(app: object) -> None:
+def setup(app: Sphinx) -> None:
     """Make the pages that come from the code, before the build reads them."""
-    del app
     make(HERE)
+    app.connect(
+        "doctree-read", run_programs, priority=1
+    )  # before Sphinx looks for the pictures that the commands write

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import imuwb
+from imuwb.notebook import Outcome
 from imuwb.review.answers.panel import Origin, panel
 from imuwb.review.page.canvas import render
 from imuwb.review.page.themes import PAPER
@@ -41,7 +42,9 @@ EXHIBITS = (
 def make(folder: Path) -> None:
     """Write a page for each analysis."""
     for exhibit in EXHIBITS:
-        _make(exhibit, folder)
+        outcome = _make(exhibit, folder)
+        if exhibit.name == "noise":  # the commands of the pages take it as the log's own model
+            outcome.save(folder.parent / "run" / "static.error-model.toml")
     index(
         folder, "Gallery",
         "Each kind of analysis, run on the sample logs when these pages are built. Every page has the answer that the terminal shows, the "
@@ -50,7 +53,7 @@ def make(folder: Path) -> None:
     )  # fmt: skip
 
 
-def _make(exhibit: Exhibit, folder: Path) -> None:
+def _make(exhibit: Exhibit, folder: Path) -> Outcome:
     outcome = imuwb.run(exhibit.analysis, SAMPLES / exhibit.log, **exhibit.options)
     files = folder / "files"
     files.mkdir(exist_ok=True)
@@ -70,3 +73,4 @@ def _make(exhibit: Exhibit, folder: Path) -> None:
         "(`imuwb view`)."
     )
     (folder / f"{exhibit.name}.md").write_text("\n\n".join(parts) + "\n", "utf-8")
+    return outcome

@@ -17,8 +17,8 @@ def cell(text: str) -> str:
 
 
 def console(command: str, output: str) -> str:
-    """Return a command with what it prints."""
-    return f"```console\n$ {command}\n{output.rstrip()}\n```"
+    """Return a command with what it printed when the site was built: a block of text, as ``command-output`` makes one."""
+    return f"```text\n$ {command}\n{output.rstrip()}\n```"
 
 
 def index(folder: Path, title: str, text: str, names: Iterable[str]) -> None:

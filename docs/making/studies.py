@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+from making.coverage import with_pictures
 from making.markdown import index
 
 STUDIES = Path(__file__).resolve().parents[2] / "tests" / "studies"
@@ -20,7 +21,7 @@ def make(folder: Path) -> None:
             continue
         body = text[title.end() :].strip()
         version = next((line for line in text[: title.start()].splitlines() if line.startswith("imuwb ")), "")
-        parts = [f"# {title[1]}", f"```console\n$ {command[1]}\n```", version, body]
+        parts = [f"# {title[1]}", f"```console\n$ {command[1]}\n```", version, with_pictures(body, folder, path.stem)]
         (folder / path.name).write_text("\n\n".join(part for part in parts if part) + "\n", "utf-8")
         names.append(path.stem)
     index(
