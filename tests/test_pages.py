@@ -87,7 +87,8 @@ def _typed(page):
 @cache
 def _command(name, method):
     command, names = typer.main.get_command(build([name, method])), [name, method]
-    while hasattr(command, "commands"):
+    # A group that does something by itself may stand alone.
+    while hasattr(command, "commands") and not (command.invoke_without_command and names[0][:1] in ("", "-")):
         command = command.commands[names.pop(0)]
     return command, len(names)
 
