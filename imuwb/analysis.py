@@ -33,6 +33,8 @@ and these, if it needs them:
 * ``EVERY_IMU = True``: the analysis examines all IMUs of a log.
 * ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive has a parameter
   ``error_model``, and gets in it the error model that the analysis of the still log saves.
+* ``returns() -> type``: the type of the result, where the annotation of ``run`` does not state it; ``imuwb.schemas`` makes the JSON
+  Schema of the document from it.
 * ``SHOWS_FAULTS = True``: imuwb info names this analysis to a user whose log has faults.
 
 An analysis of several methods has ``METHODS`` instead, {name: module}; each module has the parts of an analysis, and

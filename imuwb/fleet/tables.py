@@ -7,6 +7,7 @@ from io import BytesIO
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from imuwb.errors import ImuwbError
@@ -150,4 +151,4 @@ def _sorted(name: str, table: pa.Table) -> pa.Table:
     """Return a table in the order of its rows; rows that are alike in the columns of the order are ordered by all others."""
     rest = [column for column in table.column_names if column not in ORDER[name]]
     keys = [(column, "ascending", "at_start") for column in (*ORDER[name], *rest)]
-    return table.take(pa.compute.sort_indices(table, sort_keys=keys)).combine_chunks()
+    return table.take(pc.sort_indices(table, sort_keys=keys)).combine_chunks()

@@ -28,22 +28,22 @@ SCHEMA = 1
 _KINDS = (WhiteNoise, Quantization, FlickerNoise, RandomWalk, RateRamp, GaussMarkov, Autoregressive, Sinusoid, Constant)
 PROCESSES = {kind.name: kind for kind in _KINDS}
 #: parameters of processes that may have a limit
-_LIMITED = (*LETTERS, "sigma", "beta0", "amplitude")
+LIMITED = (*LETTERS, "sigma", "beta0", "amplitude")
 #: deterministic term of an axis -> dimension of its unit; "sensor": that of the axis
-_TERMS = {
+TERMS = {
     "scale_factor": "dimensionless", "scale_factor_nonlinear": "dimensionless", "bandwidth": "frequency",
     "group_delay": "time", "lsb": "sensor", "range": "sensor", "bias": "sensor",
 }  # fmt: skip
 #: a term's values by temperature -> the term
-_CURVES = {"thermal_bias": "bias", "thermal_scale_factor": "scale_factor"}
-_VECTORS = {"cross_coupling": 2, "g_sensitivity": 3}
+CURVES = {"thermal_bias": "bias", "thermal_scale_factor": "scale_factor"}
+VECTORS = {"cross_coupling": 2, "g_sensitivity": 3}
 
 
 def _unit_of(axis: str, name: str) -> Unit:
     """Return the SI unit of a process's parameter or of a deterministic term."""
     if name in PLAIN:
         return UNITS[PLAIN[name]]
-    dimension = _TERMS.get(name)
+    dimension = TERMS.get(name)
     if dimension is not None and dimension != "sensor":
         return UNITS[si_unit(dimension)]
     return coefficient_units(axis, name if name in LETTERS else "rate")[0]
@@ -67,10 +67,10 @@ def written(
 
 def _axis_table(axis: str, model: AxisModel) -> dict[str, object]:
     stated: dict[str, object] = {
-        name: f"{float(value)!r} {_unit_of(axis, name).name}" for name in _TERMS if (value := getattr(model, name))
+        name: f"{float(value)!r} {_unit_of(axis, name).name}" for name in TERMS if (value := getattr(model, name))
     }
-    stated |= {name: list(getattr(model, name)) for name in _VECTORS if any(getattr(model, name))}
-    for name, term in _CURVES.items():
+    stated |= {name: list(getattr(model, name)) for name in VECTORS if any(getattr(model, name))}
+    for name, term in CURVES.items():
         if points := getattr(model, name):
             stated[name] = [
                 {"celsius": t, "value": f"{float(value)!r} {_unit_of(axis, term).name}"} for t, value in points
@@ -176,19 +176,17 @@ def _axis(axis: str, stated: dict[str, object], where: str) -> AxisModel:
             terms[key] = _sum(axis, content, place, {}, (Autoregressive.name,)).terms
         elif key == "thermal":
             thermal = [_set_point(axis, row, place) for row in rows(content, place)]
-        elif key in _CURVES:
-            terms[key] = tuple(_point(axis, _CURVES[key], row, place) for row in rows(content, place))
-        elif key in _TERMS:
+        elif key in CURVES:
+            terms[key] = tuple(_point(axis, CURVES[key], row, place) for row in rows(content, place))
+        elif key in TERMS:
             terms[key] = _si(content, _unit_of(axis, key), place)
-        elif key in _VECTORS:
+        elif key in VECTORS:
             numbers = tuple(_number(x, place) for x in rows(content, place))
-            if len(numbers) != _VECTORS[key]:
-                refuse(place, content, f"{_VECTORS[key]} numbers")
+            if len(numbers) != VECTORS[key]:
+                refuse(place, content, f"{VECTORS[key]} numbers")
             terms[key] = numbers
         else:
-            known = ", ".join(
-                (*_TERMS, *_VECTORS, *_CURVES, "processes", "not_identified", "autoregressive", "thermal")
-            )
+            known = ", ".join((*TERMS, *VECTORS, *CURVES, "processes", "not_identified", "autoregressive", "thermal"))
             refuse(where, key, f"one of {known}")
     return _made(
         AxisModel, where, processes=processes, intervals=intervals, limits=limits, thermal=tuple(thermal), **terms
@@ -212,8 +210,8 @@ def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]
 def _limits(axis: str, content: object, where: str) -> dict[str, float]:
     limits: dict[str, float] = {}
     for name, entry in table(content, where).items():
-        if name not in _LIMITED:
-            refuse(f"{where}.{name}", name, f"one of {', '.join(_LIMITED)}")
+        if name not in LIMITED:
+            refuse(f"{where}.{name}", name, f"one of {', '.join(LIMITED)}")
         limit = table(entry, f"{where}.{name}")
         limits[name] = _si({**limit, "value": limit.get("upper")}, _unit_of(axis, name), f"{where}.{name}.upper")
     return limits

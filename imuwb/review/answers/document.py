@@ -7,13 +7,14 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from types import BuiltinFunctionType, FunctionType, GeneratorType
-from typing import cast
+from typing import NotRequired, TypedDict, cast
 
 import numpy as np
 
 from imuwb.analysis import Answer
-from imuwb.log import Log
+from imuwb.log import Conditioning, Log
 from imuwb.review.answers.panel import Origin, filled
+from imuwb.statistics import Estimate
 
 SCHEMA = 1
 #: representations that say no more than the type and an address: of objects, functions, generators and classes
@@ -27,6 +28,52 @@ _NAMELESS = (
 #: letters that JSON need not escape: controls, and marks of no width, such as those that turn the direction of a text
 _UNSHOWN = re.compile("[\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]")
 RUN = 16  #: letters of the name of a run
+
+
+class StepDocument(TypedDict):
+    """A command that can be typed next."""
+
+    command: str
+    why: str
+
+
+class AnswerDocument(TypedDict):
+    """The answer of the panel: its whole table, all sentences, and what can be typed next."""
+
+    about: str
+    headings: list[str]
+    rows: list[list[str]]
+    sentences: list[str]
+    next: list[StepDocument]
+    numbers: dict[str, Estimate]
+
+
+class LogDocument(TypedDict):
+    """The log that was analysed, and what conditioners did to it."""
+
+    path: str
+    format: str
+    hash: str
+    size: int
+    selection: str
+    conditioning: NotRequired[list[Conditioning]]
+    causal: NotRequired[bool]
+
+
+class Document(TypedDict):
+    """The JSON of an analysis; ``params`` and ``result`` are those of the analysis."""
+
+    run: str
+    answer: NotRequired[AnswerDocument]
+    imuwb: str
+    schema: int
+    analysis: str
+    level: float | None
+    logs: list[LogDocument]
+    params: dict[str, object]
+    notes: list[str]
+    result: object
+    study: NotRequired[object]
 
 
 def plain(value: object, place: str = "the value") -> object:  # noqa: PLR0911 - one return for each kind of value

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
 from imuwb_plugins.calibration.parameters import MultiPosition, RateTable, SixPosition
 
@@ -34,6 +34,10 @@ class Method:
     def run(self, logs: Sequence[Log], parameters: Any) -> Any:  # noqa: ANN401 - each method has its own types
         """Return the calibration."""
         return import_module(self._computing).run(logs, parameters)
+
+    def returns(self) -> Any:  # noqa: ANN401 - a type
+        """Return the type of the result."""
+        return get_type_hints(import_module(self._computing).run)["return"]
 
     def draw(self, result: Any, review: Review) -> None:  # noqa: ANN401 - each method has its own types
         """Show parameters, residuals, and samples before and after the correction."""

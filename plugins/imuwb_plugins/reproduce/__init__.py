@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
 from imuwb_plugins.reproduce.parameters import ElDiasty, Hassaballa, Quinchia
 
@@ -32,6 +32,10 @@ class Paper:
     def run(self, logs: Sequence[Log], parameters: Any) -> Any:  # noqa: ANN401 - each paper has its own options
         """Return the paper beside ours."""
         return import_module(self._module).run(logs, parameters)
+
+    def returns(self) -> Any:  # noqa: ANN401 - a type
+        """Return the type of the result."""
+        return get_type_hints(import_module(self._module).run)["return"]
 
     def draw(self, result: Any, review: Review) -> None:  # noqa: ANN401 - as above
         """Show every table and figure."""

@@ -1,0 +1,3 @@
+from tests.cli.conftest import imuwb
+
+__all__ = ["imuwb"]
