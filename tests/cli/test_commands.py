@@ -183,7 +183,7 @@ def test_plugins_are_listed(imuwb):
 def test_the_demo_answers_briefly_and_leaves_recordings_and_pages(imuwb, tmp_path, monkeypatch):
     """The demo runs over a part of each sample log."""
     (tmp_path / "short").mkdir()
-    for name, end in (("static", "600"), ("drive", "420")):
+    for name, end in (("static", "300"), ("drive", "300")):
         done = imuwb("convert", demo.samples() / f"{name}.mcap", "--end", end, "-o", f"short/{name}.mcap")
         assert done.code == 0, done.err
     monkeypatch.setattr(demo, "samples", lambda: tmp_path / "short")

@@ -31,7 +31,7 @@ def record(seed):
     return np.stack(chosen[:3], axis=1), np.stack(chosen[3:], axis=1)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(
     ("analysis", "options"),
     [(allan, {}), (allan, {"model": "headline", "choose": True}), (autoregressive, {})],

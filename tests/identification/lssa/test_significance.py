@@ -7,6 +7,7 @@ from imuwb.identification.lssa.significance import _both, _neighbours, record_li
 
 DT = 0.01
 RARE = 1e-4
+RECORDS = 300
 
 
 def spectra(count, noise, n=256, oversampling=2):
@@ -28,14 +29,14 @@ def test_the_share_of_white_noise_has_its_beta_distribution():
 @pytest.mark.parametrize("noise", [Noise(), Noise("local")])
 def test_noise_exceeds_its_levels_as_often_as_said(noise):
     looked = above = records = 0
-    for spectrum in spectra(600, noise):
+    for spectrum in spectra(RECORDS, noise):
         found = significance(spectrum, 0.9)
         seen = found.exceedance > 0
         looked += int(seen[::2].sum())  # those between are not independent
         above += int((found.exceedance[::2] > found.one).sum())
         records += bool((found.exceedance > found.record).any())
-    assert above / looked == pytest.approx(0.1, abs=0.005)
-    assert RARE < stats.binom.cdf(records, 600, 0.1) < 1 - RARE
+    assert above / looked == pytest.approx(0.1, abs=0.007)
+    assert RARE < stats.binom.cdf(records, RECORDS, 0.1) < 1 - RARE
 
 
 @pytest.mark.parametrize("oversampling", [2, 8])
