@@ -11,7 +11,7 @@ from imuwb.replay.noise.motion_noise import MotionNoise, estimate_motion_noise, 
 from imuwb.replay.noise.scaled import scaled
 from imuwb.replay.noise.tuning import Tuned, tune
 from imuwb.replay.noise.unidentified import with_unidentified
-from imuwb.replay.outages import Outage, events_of, own_outages, sweep
+from imuwb.replay.outages import Outage, check_outages, events_of, own_outages, sweep
 from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
 from imuwb.replay.references.external import Placing, external_reference
 from imuwb.replay.references.reference import ReferenceTrack, check_reference, own_track, reference_track
@@ -67,6 +67,7 @@ __all__ = [
     "Summary",
     "Tuned",
     "budget",
+    "check_outages",
     "check_reference",
     "choose",
     "compare",

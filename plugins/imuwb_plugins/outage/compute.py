@@ -15,6 +15,7 @@ from imuwb.replay import (
     Outage,
     Prepared,
     Replay,
+    check_outages,
     own_outages,
     prepare,
     replay,
@@ -46,16 +47,17 @@ def run_one(whole: Log, parameters: Parameters) -> Result:
     log, of_truth = with_truth(log, base, parameters, given)
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
+    # What is not possible is said before the long work.
+    if base.aids.speed and not log.speeds:
+        raise MissingDataError(f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out")
+    outages = _outages(prepared, base, parameters)
+    check_outages(prepared, base, outages)
     chosen = filters_of(base, prepared, parameters)
     prepared = replace(
         prepared, notes=(*prepared.notes, *of_truth, *own.notes, *chosen.notes, *_of_a_sweep(parameters))
     )
-    if base.aids.speed and not log.speeds:
-        raise MissingDataError(f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out")
     try:
-        replayed = replay(
-            prepared, chosen.models, _outages(prepared, base, parameters), reference=parameters.wanted_reference
-        )
+        replayed = replay(prepared, chosen.models, outages, reference=parameters.wanted_reference)
     except ValueError as error:
         raise MissingDataError(f"{log.provenance.path}: {error}") from error
     replayed = replace(replayed, failed={**chosen.failed, **replayed.failed})

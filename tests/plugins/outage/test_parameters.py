@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from imuwb.errors import UsageError
 from imuwb.replay import NAMES
 from imuwb.selection import select
 from imuwb.simulation import Receiver, drive, planned_route, preset_names
@@ -156,3 +157,10 @@ def test_readmes_outages_can_be_run_on_readmes_drive(toml):
     log = drive(sensor(), planned_route("turin-1"), 1, rate=20.0, receiver=Receiver())
     found = outage.run([select(log, end="520")], stated(error_model=toml, models="none", at=at))
     assert len(found.outages) == 2
+
+
+@pytest.mark.parametrize("at", ["20:10", "235:10"])
+def test_an_outage_that_is_not_possible_is_refused_before_the_long_work(log, toml, at, monkeypatch):
+    monkeypatch.setattr(outage.compute, "filters_of", lambda *_: pytest.fail("the noise in motion was estimated first"))
+    with pytest.raises(UsageError, match=at.partition(":")[0]):
+        outage.run([log], stated(error_model=toml, at=at))
