@@ -305,7 +305,7 @@ def test_a_study_gives_ar1_by_temperature_and_setting(gyros, shown):
             assert first.sigma < first.sigma_if_ar
     temperature.draw_study(found, shown)
     assert [f.title for f in shown.figures] == ["gyro y: AR(1) by setting"]
-    assert shown.tables[0].headings == ("temperature [°C]", "mean.width 2", "mean.width 4")
+    assert shown.tables[0].headings == ("temperature [°C]", "width 2", "width 4")
 
 
 @pytest.mark.parametrize(
