@@ -24,7 +24,8 @@ function served(folder) {
   const server = createServer((request, response) => {
     const path = resolve(folder, "." + decodeURIComponent(new URL(request.url, "http://127.0.0.1").pathname));
     const inside = path.startsWith(folder + sep) && existsSync(path) && extname(path);
-    response.writeHead(inside ? 200 : 404, { "Content-Type": KINDS[extname(path)] ?? "application/octet-stream" });
+    const wanted = request.url !== "/favicon.ico"; // a browser asks for it by itself
+    response.writeHead(inside ? 200 : wanted ? 404 : 204, { "Content-Type": KINDS[extname(path)] ?? "application/octet-stream" });
     if (inside) createReadStream(path).pipe(response);
     else response.end();
   });
