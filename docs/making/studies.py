@@ -7,13 +7,14 @@ from making.coverage import with_pictures
 from making.markdown import index
 
 STUDIES = Path(__file__).resolve().parents[2] / "tests" / "studies"
+ELSEWHERE = {"comparison"}  #: has a page of its own, which includes it
 COMMAND = re.compile(r"^    (python \S+.*)$", re.MULTILINE)
 
 
 def make(folder: Path) -> None:
     """Write a page for each study: its title, the command, what it asks, its tables."""
     names: list[str] = []
-    for path in sorted(STUDIES.glob("*.md")):
+    for path in sorted(path for path in STUDIES.glob("*.md") if path.stem not in ELSEWHERE):
         text = path.read_text("utf-8")
         command = COMMAND.search(text)
         title = re.search(r"^# (.+)$", text, re.MULTILINE)
