@@ -21,7 +21,7 @@ from imuwb.stochastic.flicker import FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.processes import Constant, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.stochastic.sums import Sum
-from imuwb.texts import sentence_of
+from imuwb.texts import printable, sentence_of
 from imuwb.units import UNITS, Unit, coefficient_units, si_unit, unit
 
 SCHEMA = 1
@@ -56,11 +56,11 @@ def written(
     name: str, axes: Mapping[str, AxisModel], provenance: Mapping[str, str], doubts: tuple[str, ...] = ()
 ) -> str:
     """Return an error model as text."""
-    document: dict[str, object] = {"schema": SCHEMA, "name": name}
+    document: dict[str, object] = {"schema": SCHEMA, "name": printable(name)}
     if doubts:
-        document["doubts"] = [str(doubt) for doubt in doubts]
+        document["doubts"] = [printable(doubt) for doubt in doubts]
     if provenance:
-        document["provenance"] = dict(provenance)
+        document["provenance"] = {printable(key): printable(text) for key, text in provenance.items()}
     document |= {axis: _axis_table(axis, axes[axis]) for axis in AXES if axis in axes}
     return tomli_w.dumps(document)
 

@@ -1,9 +1,12 @@
 """Tables and notes in the terminal."""
 
+import io
+import sys
+
 import pytest
 
 from imuwb.analysis import Table
-from imuwb.cli.terminal import shower
+from imuwb.cli.terminal import progress, shower
 
 
 def test_headings_keep_their_units(capsys):
@@ -32,3 +35,16 @@ def test_a_value_and_its_unit_stay_on_one_line(capsys):
     out = capsys.readouterr().out
     assert "1.5\N{NO-BREAK SPACE}m" in out
     assert "2]\N{NO-BREAK SPACE}deg/h" in out
+
+
+def test_a_name_in_a_bar_of_progress_does_nothing(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr(sys, "stderr", shown := Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    with progress("reading \x1b]52;c;aGk=\x07[red]a[/]\u202e.mcap") as report:
+        report(1, 2)
+    assert "reading ?]52;c;aGk=?[red]a[/]?.mcap" in shown.getvalue()
+    assert "\x1b]52" not in shown.getvalue()

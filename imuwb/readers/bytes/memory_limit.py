@@ -1,6 +1,8 @@
 """A limit of the memory that a library may take for a log: a packed file may unpack to any size inside the library, which asks nobody.
 
-Only Linux limits a process by what it has now; elsewhere nothing is limited.
+Only Linux limits a process by what it has now. Elsewhere nothing is limited: macOS has the limit of addresses but does not enforce
+it, and a job object of Windows would need the C interface of the system, which no test here could try. A watch of the process, as
+that of ``imuwb.fleet.bounds``, ends it: it suits a child process, and not the program that a person runs.
 """
 
 from collections.abc import Generator

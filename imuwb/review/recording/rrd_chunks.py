@@ -1,7 +1,7 @@
 """Reads chunks of a recording: tables of Apache Arrow in messages. The viewer's own library ends the process at some damaged recordings.
 
 A file begins with 12 bytes; each message has its kind and its length (8 bytes each, little-endian), and a message of protobuf. Source:
-rerun, the crate re_log_encoding and log_msg.proto, 0.41; read with recordings of 0.38 to 0.44.
+rerun, the crate re_log_encoding and log_msg.proto, 0.41. Tested with recordings of 0.41 alone; imuwb takes rerun 0.38 to 0.44.
 """
 
 from collections.abc import Iterator

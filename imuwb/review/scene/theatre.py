@@ -20,8 +20,9 @@ from imuwb.scene import Scene
 
 HALVES = (1.2, 1.0)  #: shares of the width: the scene, the charts
 SCENE_SHARES = (1.65, 1.0)  #: shares of the height: the scene, what is below it
-CHART_FRAME = 62.0  #: height of a chart without the rows of its legend, px
-LOWEST, HIGHEST = 150.0, 280.0  #: least heights of a chart, and of the first one, px
+CHART_FRAME = 84.0  #: height of a chart without the rows of its legend, px
+LOWEST, HIGHEST = 150.0, 250.0  #: least heights of a chart, and of the first one, px
+BESIDE = 46.0  #: height that charts beside each other have more, because lines have no room beside the legend, px
 ICONS = 110.0  #: width of what stands beside the title of a chart, px
 BELOW = (1.0, 1.25, 0.75)  #: shares of the width: the plan, what holds now, the events
 MOST_ROWS = 4  #: of charts: a legend needs some height
@@ -50,7 +51,7 @@ class Theatre:
             name: of the tab.
             series: the charts.
             entries: number of rows of the legend of each chart: the viewer cuts off what is higher than its chart. Two charts
-                beside each other have as much room again, because lines have none beside the legend.
+                beside each other have more room, because lines have none beside the legend.
         """
         left = rrb.Vertical(
             self.scene, rrb.Horizontal(*self.below, column_shares=BELOW[: len(self.below)]), row_shares=SCENE_SHARES
@@ -58,7 +59,9 @@ class Theatre:
         main: rrb.Container = left
         if series:
             rows = _rows([*zip(series, entries, strict=True)])
-            heights = [max(CHART_FRAME + len(row) * LEGEND_ROW * max(n for _, n in row), LOWEST) for row in rows]
+            heights = [
+                max(CHART_FRAME + LEGEND_ROW * max(n for _, n in row) + BESIDE * (len(row) - 1), LOWEST) for row in rows
+            ]
             heights[0] = max(heights[0], HIGHEST)
             views = [_side_by_side([view for view, _ in row]) for row in rows]
             main = rrb.Horizontal(left, rrb.Vertical(*views, row_shares=heights), column_shares=HALVES, name=name)
