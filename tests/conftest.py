@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import struct
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -14,6 +15,10 @@ from mcap.writer import CompressionType, Writer
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
+
+# As on the command line: several processes test at once, and threads of OpenBLAS that wait for each other take their cores.
+# numpy is not imported yet; the processes of pytest-xdist inherit it.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 pytest_plugins = ["tests.recordings", "tests.servers"]
 

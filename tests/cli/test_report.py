@@ -71,7 +71,7 @@ def test_recordings_make_one_page_with_the_same_parts_as_their_own_pages(imuwb):
             for b in re.findall(
                 r"```python\n(.*?)```", (ROOT / "docs" / "how-to" / "plugin.md").read_text("utf-8"), re.DOTALL
             )
-            if "jerk" in b
+            if "# jerk.py" in b
         ),
         "utf-8",
     )

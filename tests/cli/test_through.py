@@ -76,7 +76,7 @@ def test_conditioners_are_in_the_json_the_recording_and_the_terminal(imuwb, stat
     document = json.loads((tmp_path / "out.json").read_text("utf-8"))
     log = document["logs"][0]
     assert [c["name"] for c in log["conditioning"]] == ["bias", "kaiser", "decimate"]
-    assert set(log["conditioning"][1]) == {"name", "parameters", "causal", "delay", "note", "band"}
+    assert set(log["conditioning"][1]) == {"name", "parameters", "causal", "delay", "note", "band", "without_mean"}
     assert [c["band"] for c in log["conditioning"]] == [None, 6.0, None]
     assert "f_pass=6,f_stop=10" in log["conditioning"][1]["parameters"]
     assert log["causal"] is False

@@ -284,7 +284,7 @@ def test_a_reader_that_claims_other_files_is_named():
 
 def _streams(**changes):
     def stream(path, options):
-        path.read_bytes()[3]
+        path.read_bytes()[60]
         time = np.arange(4, dtype=np.int64)
         yield Batch(
             **{"stream": "/imu", "kind": "imu", "time": time, "columns": {"angular_rate": np.ones((4, 3))}, **changes}

@@ -161,6 +161,8 @@ def test_readmes_outages_can_be_run_on_readmes_drive(toml):
 
 @pytest.mark.parametrize("at", ["20:10", "235:10"])
 def test_an_outage_that_is_not_possible_is_refused_before_the_long_work(log, toml, at, monkeypatch):
-    monkeypatch.setattr("imuwb_plugins.outage.compute.filters_of", lambda *_: pytest.fail("the noise in motion was estimated first"))
+    monkeypatch.setattr(
+        "imuwb_plugins.outage.compute.filters_of", lambda *_: pytest.fail("the noise in motion was estimated first")
+    )
     with pytest.raises(UsageError, match=at.partition(":")[0]):
         outage.run([log], stated(error_model=toml, at=at))
