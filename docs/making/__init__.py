@@ -1,10 +1,10 @@
-"""The pages that come from the code: commands, schemas, papers, studies, gallery, figures. They are made before each build, and not committed."""
+"""The pages that come from the code: commands, notes, schemas, papers, studies, gallery, figures. They are made before each build, and not committed."""
 
 import os
 import shutil
 from pathlib import Path
 
-from making import commands, gallery, glossary, mounting, papers, schemas, studies, terms
+from making import commands, gallery, glossary, mounting, notes, papers, schemas, studies, terms
 
 FOLDER, RUN = "made", "run"  #: RUN: where the commands of the pages run
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
@@ -21,7 +21,7 @@ def make(docs: Path) -> None:
     run.mkdir(parents=True)
     for file in (*SAMPLES.glob("*.mcap"), *(docs / "tutorials").glob("*.toml")):
         shutil.copyfile(file, run / file.name)
-    for part in (terms, mounting, glossary, commands, schemas, papers, studies, gallery):
+    for part in (terms, mounting, glossary, commands, notes, schemas, papers, studies, gallery):
         folder = made / part.__name__.rpartition(".")[2]
         folder.mkdir(parents=True)
         part.make(folder)

@@ -8,7 +8,7 @@ import typer
 
 from imuwb.errors import UsageError
 from imuwb.explanations import explanation_of, explanations, near
-from imuwb.notes import Note
+from imuwb.notes import Note, ids
 
 if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.analysis import Answer
@@ -20,6 +20,19 @@ def names_in(answer: "Answer", shown: "Iterable[object]") -> tuple[str, ...]:
     """Return the verdicts in an answer's rows, and the ids of notes, that are explained, each once."""
     said = [cell for row in answer.rows for cell in row] + [item.id for item in shown if isinstance(item, Note)]
     return tuple(dict.fromkeys(word for word in said if word in explanations() and len(word) > 1))
+
+
+def where_explained(answer: "Answer", shown: "Iterable[object]") -> tuple[Note, ...]:
+    """Return where the verdicts and notes of a run are explained: by ``imuwb explain``, and at which anchors of the documentation."""
+    shown = tuple(shown)
+    said: list[Note] = []
+    if named := names_in(answer, shown):
+        text = f"imuwb explain NAME says what these mean, and so does the glossary of the documentation (#term-NAME): {', '.join(named)}"
+        said.append(Note("explained", text))
+    if known := tuple(dict.fromkeys(ids(item for item in shown if isinstance(item, str)))):
+        text = f"ids of the notes above, each with its place (#note-ID) on the page of notes of the documentation: {', '.join(known)}"
+        said.append(Note("ids", text))
+    return tuple(said)
 
 
 def explain(

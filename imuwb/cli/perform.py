@@ -11,7 +11,7 @@ from imuwb import __version__
 from imuwb.analysis import Analysis, Answer, Figure, Table, offers
 from imuwb.axes import check_scaled
 from imuwb.cli.analyses import errors_named
-from imuwb.cli.explain import names_in
+from imuwb.cli.explain import where_explained
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
 from imuwb.cli.page_files import PageFiles
@@ -23,7 +23,6 @@ from imuwb.cli.through import Step, conditioned, step
 from imuwb.cli.typed import options_given, typed_again
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
-from imuwb.notes import Note
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.answers.default_answer import ALL, default_answer
@@ -228,8 +227,8 @@ def _print(drawn: Drawn, places: Places, pages: Sequence[str], *, full: bool) ->
         show = shower(data=data)
         for item in drawn.shown:
             show(item)
-        if named := names_in(drawn.answer, drawn.shown):
-            show(Note("explained", f"imuwb explain NAME says what these mean: {', '.join(named)}"))
+        for line in where_explained(drawn.answer, drawn.shown):
+            show(line)
     written = replace(places, model=places.model if drawn.model else None, pages=PageFiles())
     recording, *others = map(str, written.all())
     print_panel(drawn.answer, replace(drawn.origin, wrote=(f"{recording} (imuwb view)", *pages, *others)), data=data)

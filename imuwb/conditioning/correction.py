@@ -34,7 +34,7 @@ def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]
         return log, (Note("corrected", before.note),)
     text = f"{before.name}:{before.parameters}"
     return log, (
-        Note("corrected before", f"not corrected by the model, because the samples were already corrected: {text}"),
+        Note("corrected-before", f"not corrected by the model, because the samples were already corrected: {text}"),
     )
 
 

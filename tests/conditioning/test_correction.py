@@ -143,7 +143,7 @@ def test_a_log_is_corrected_once(log):
     conditioned, _ = correct(log, PLAIN, ("mine", "model=m.toml"))
     left, why = corrected_log(conditioned, MODEL)
     assert left is conditioned
-    assert ids(why) == ("corrected before",)
+    assert ids(why) == ("corrected-before",)
     assert "mine:model=m.toml" in why[0]
 
 

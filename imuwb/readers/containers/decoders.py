@@ -202,8 +202,11 @@ def _payload(messages: Messages, row: int) -> bytes:
 
 def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
     from mcap.records import Schema as McapSchema  # noqa: PLC0415 - slow to import, and few logs need it
-    from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
 
+    try:
+        from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
+    except ImportError as error:  # not every distributor of packages has it
+        raise CannotDecodeError("protobuf needs the package mcap-protobuf-support; install it with pip") from error
     if schema is None:
         raise CannotDecodeError("its protobuf schema is missing")
     try:

@@ -1,5 +1,7 @@
 """MCAP messages decode as other libraries decode them, and recordings of others are read."""
 
+import sys
+
 import numpy as np
 import pytest
 from mcap.reader import make_reader
@@ -97,3 +99,9 @@ def test_every_odd_recording_is_read_or_refused(shared):
             assert str(path) in str(error)  # noqa: PT017 - either is right, and both are checked
         else:
             assert log.notes or log.imus or log.gnss
+
+
+def test_without_the_package_of_protobuf_the_log_says_what_to_install(mcap, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mcap_protobuf.decoder", None)
+    topic = mcap.Topic([(T, b"\x08\x01")], schema="a.B", definition="", schema_encoding="protobuf", encoding="protobuf")
+    assert "mcap-protobuf-support" in " ".join(read(mcap.write(topic)).notes)
