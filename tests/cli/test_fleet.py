@@ -318,16 +318,15 @@ def cluster(folder):
             "-m",
             f"distributed.cli.{module}",
             "--no-dashboard",
-            "--scheduler-file",
-            str(file),
             *arguments,
         ]
         running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder))
 
-    start("dask_scheduler", "--port", "0", "--host", "127.0.0.1")
-    start("dask_worker", "--nthreads", "2", "--no-nanny", "--memory-limit", "0")
+    start("dask_scheduler", "--scheduler-file", str(file), "--port", "0", "--host", "127.0.0.1")
     try:
-        yield address_in(file)
+        address = address_in(file)
+        start("dask_worker", address, "--nthreads", "2", "--no-nanny", "--memory-limit", "0")
+        yield address
     finally:
         for process in running:
             process.kill()
