@@ -8,6 +8,7 @@ from imuwb.log import SECOND, ImuStream, Log, Provenance, Scalars, Triad
 from imuwb.notes import ids
 from imuwb_plugins import temperature
 from imuwb_plugins.temperature.log_checks import with_sound_thermometers
+from imuwb_plugins.temperature.sensor_temperature import lag_of
 
 RATE = 20
 PLAIN = temperature.Parameters()
@@ -71,3 +72,14 @@ def test_a_sound_thermometer_is_left_as_it_is():
 
 def test_a_temperature_that_may_be_in_fahrenheit_is_named():
     assert ids(with_sound_thermometers([log_of(RAMP, RAMP * 1.8 + 32)], PLAIN)[1]) == ("thermometer",)
+
+
+def test_a_block_lies_at_the_mean_time_of_its_samples():
+    time = np.arange(3600 * 5 + 1) * (SECOND // 5)
+    celsius = np.linspace(0, 80, time.size)
+    values = celsius[:, None] * [1, -1, 0.5]
+    imu = ImuStream("imu", Triad(time, values), Triad(time, values), Scalars("imu", time, celsius))
+    log = Log(Provenance("made.csv", "csv", "sha256:1", 0), (imu,))
+    found = lag_of(log, temperature.Parameters(lag=0.0))
+    assert found.time[:2] == pytest.approx([1.1, 3.5])  # 12 samples a block; the edges are 0, 2.4 and 4.8 s
+    np.testing.assert_allclose(found.axes["gyro_x"], np.interp(found.time, time / SECOND, celsius), atol=1e-9)

@@ -1,5 +1,6 @@
 """Cosine coefficients of series that were smoothed by a Gaussian window, as they were before it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,23 @@ class CosineWindow:
         found = np.asarray(fft.dct(smoothed[self.inside], axis=0, norm="ortho"), dtype=np.float64)
         factor: Floats = self.factor if smoothed.ndim == 1 else self.factor[:, None]
         return found[1 : self.factor.size + 1] / factor
+
+    def readings(self, coefficients: Floats) -> Floats:
+        """Return the factors of the means inside, (length,), in a sum over the used coefficients with the factors (m,)."""
+        every = np.zeros(self.length)
+        every[1 : self.factor.size + 1] = coefficients / self.factor
+        return np.asarray(fft.idct(every, norm="ortho"), dtype=np.float64)
+
+    def variance(self, readings: Floats, density: Callable[[Floats], Floats]) -> float:
+        """Return the variance of a sum over the smoothed means inside.
+
+        Args:
+            readings: (length,) factors of the means.
+            density: the variances of the cosine coefficients of the noise before the window, as a function of the frequency (rad/s).
+        """
+        frequency = _frequencies(self.length, self.interval)
+        through = np.asarray(fft.dct(readings, norm="ortho"), dtype=np.float64) * _factors(frequency, self.width)
+        return float(through**2 @ density(frequency))
 
 
 def smoothed(values: Floats, interval: float, width: float) -> Floats:

@@ -1,8 +1,10 @@
 """Least squares of a slow drift in a record whose noise has a white and a slow part.
 
 The cosine coefficients of white noise, of a random walk and nearly those of flicker are independent, so generalised least squares
-needs a weight for each coefficient only. The ratio of the slow noise to the white noise is the likeliest one (restricted
-likelihood, Patterson and Thompson 1971), which does not count what the drift's columns explain.
+needs a weight for each coefficient only. A short record does not tell which slow noise it has, and the likeliest one follows the
+noise of this very record: weights that are chosen so give errors that are too small (Kackar and Harville 1984). So every estimate is
+the mean over all slow noises, each as probable as the record makes it, and its covariance contains their differences. Their
+likelihood is the restricted one (Patterson and Thompson 1971), which does not count what the drift's columns explain.
 """
 
 from dataclasses import dataclass
@@ -22,10 +24,11 @@ class Weights:
 
     variance: Floats  #: (g, m) variances, white noise being 1
     log_variance: Floats  #: (g,) sums of the logarithms of the variances
+    log_chance: Floats  #: (g,) logarithms of the probabilities before the record is seen
 
     @staticmethod
     def of(length: int, interval: float, kept: int | None = None) -> "Weights":
-        """Return the weights for white noise alone, then with flicker, then with a random walk.
+        """Return the weights for white noise alone, then with flicker, then with a random walk: before a record, all three are equally probable.
 
         Args:
             length: number of means in the record.
@@ -43,19 +46,24 @@ class Weights:
             )
             variance += [1 + density / a for a in at]
         table = np.stack(variance)
-        return Weights(table, np.log(table).sum(axis=1))
+        chance = np.concatenate([[1.0], np.full(2 * CROSSINGS, 1 / CROSSINGS)]) / 3
+        return Weights(table, np.log(table).sum(axis=1), np.log(chance))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class DriftFit:
-    """The columns' factors in one series."""
+    """The columns' factors in one series: means over the slow noises, and their values with each."""
 
     factors: Floats  #: (p,)
     covariance: Floats  #: (p, p)
-    deviance: float  #: -2 log restricted likelihood, plus a constant of the series
+    deviance: float  #: -2 log restricted likelihood, of all slow noises together, plus a constant of the series
     white: float  #: variance of a cosine coefficient by white noise, unit²
-    weight: Floats  #: (m,) inverse variances of the coefficients, white noise being 1
-    freedom: int  #: degrees of freedom of ``white``
+    freedom: int  #: degrees of freedom of the variance of white noise
+    probability: Floats  #: (g,) of each slow noise
+    factors_each: Floats  #: (g, p)
+    white_each: Floats  #: (g,)
+    weight_each: Floats  #: (g, m) inverse variances of the coefficients, white noise being 1
+    inverse_each: Floats  #: (g, p, p) covariances of the factors, white noise being 1
 
 
 def fit_drift(series: Floats, columns: Floats, weights: Weights, blurred: Floats | float = 0.0) -> DriftFit:
@@ -78,17 +86,25 @@ def fit_drift(series: Floats, columns: Floats, weights: Weights, blurred: Floats
     if not size.all() or np.linalg.svd(columns / size, compute_uv=False)[-1] < 1e-6:  # noqa: PLR2004 - a rounding error
         raise ValueError("columns of a drift depend on each other")
     x = columns / size
-    inverse = 1 / (weights.variance + blurred)
+    weight = 1 / (weights.variance + blurred)
     pairs = (x[:, :, None] * x[:, None, :]).reshape(len(x), p * p)
-    inside = (inverse @ pairs).reshape(-1, p, p)
-    across = inverse @ (x * series[:, None])
-    total = inverse @ series**2
-    factors = np.linalg.solve(inside, across[:, :, None])[:, :, 0]
-    rest = (total - np.einsum("gp,gp->g", factors, across)).clip(1e-300)
+    inside = (weight @ pairs).reshape(-1, p, p)
+    across = weight @ (x * series[:, None])
+    inverse = np.linalg.inv(inside)
+    factors = np.einsum("gpq,gq->gp", inverse, across)
+    rest = (weight @ series**2 - np.einsum("gp,gp->g", factors, across)).clip(1e-300)
     freedom = len(x) - p
     plain = np.linalg.slogdet(x.T @ x)[1]
-    deviance = weights.log_variance + np.linalg.slogdet(inside)[1] - plain + freedom * np.log(rest / freedom)
-    best = int(np.argmin(deviance))
-    white = float(rest[best]) / freedom
-    covariance = white * np.linalg.inv(inside[best]) / np.outer(size, size)
-    return DriftFit(factors[best] / size, covariance, float(deviance[best]), white, inverse[best], freedom)
+    each = weights.log_variance + np.linalg.slogdet(inside)[1] - plain + freedom * np.log(rest / freedom)
+    evidence = weights.log_chance - each / 2
+    top = float(evidence.max())
+    probability = np.exp(evidence - top)
+    deviance = -2 * (top + float(np.log(probability.sum())))
+    probability /= probability.sum()
+    white, factors, inverse = rest / freedom, factors / size, inverse / np.outer(size, size)
+    mean = probability @ factors
+    apart = factors - mean
+    covariance = np.tensordot(probability * white, inverse, 1) + (probability * apart.T) @ apart
+    return DriftFit(
+        mean, covariance, deviance, float(probability @ white), freedom, probability, factors, white, weight, inverse
+    )

@@ -3,8 +3,8 @@
 All axes of a sensor have one temperature T. The bias of each axis is a polynomial of T, plus half of its hysteresis where T rises and
 minus half where T falls, plus noise. The lag is the one with which the polynomials explain all axes best: where the
 temperature turns, or changes at another rate, a lag that is left in splits the bias into a loop. Its standard error comes from
-the derivative of the biases by the lag, by least squares beside the other unknowns, and from the thermometer's noise, which all axes
-share.
+the derivative of the biases by the lag, by least squares beside the other unknowns, the slow noise of each axis among them, and from
+the thermometer's noise, which all axes share.
 """
 
 from collections.abc import Mapping
@@ -15,6 +15,7 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.identification.temperature.cosine_window import CosineWindow, smoothed
 from imuwb.identification.temperature.drift_fit import DriftFit, Weights, fit_drift
+from imuwb.identification.temperature.lag_information import lag_information
 from imuwb.identification.temperature.stretches import legs_of
 from imuwb.identification.temperature.thermometer_curve import ThermometerCurve
 from imuwb.statistics import Estimate
@@ -160,9 +161,9 @@ class _Problem:
             for name, values in self._axes.items()
         }
 
-    def _noise(self, lag: float) -> Floats:
+    def _noise(self, lag: float, frequency: Floats | None = None) -> Floats:
         """Return the variances of the cosine coefficients of the sensor's temperature by the thermometer's noise, °C²."""
-        factor = 1 + (self.window.frequency * lag) ** 2
+        factor = 1 + ((self.window.frequency if frequency is None else frequency) * lag) ** 2
         return self._curve.noise**2 / self._curve.interval * (factor if lag > 0 else 1 / factor)
 
     def deviance(self, lag: float) -> float:
@@ -194,18 +195,18 @@ class _Problem:
         before, after = (self._curve.of_sensor(lag + d, self.window.width) for d in (-step, step))
         change = (after - before) / (2 * step)
         to_share = 2 / float(np.ptp(state.celsius))
-        x = self.window.cosines(state.columns)
-        information, own, noise = 0.0, 0.0, self._noise(lag)
-        shared = np.zeros(self.window.factor.size)  # effect of the thermometer's noise on the sum
+        x, noise = self.window.cosines(state.columns), self._noise(lag)
+        information, own = 0.0, 0.0
+        felt = np.zeros(self.window.length)  # effect of the temperature of each mean on the slope of the deviance
         for name, fit in fits.items():
             series = np.polynomial.chebyshev.chebder(np.concatenate([[0.0], fit.factors[:ORDER]]))
             slope = to_share * np.polynomial.chebyshev.chebval(state.share, series)
             along = self.window.cosines(slope * change)
-            weighted = fit.weight * along
-            rest = weighted - fit.weight * (x @ np.linalg.solve(x.T @ (fit.weight[:, None] * x), x.T @ weighted))
-            information += float(along @ rest) / fit.white
-            own += float(rest**2 @ (1 / fit.weight - self._felt[name] * noise)) / fit.white
-            shared += rest / fit.white * float(slope.mean())
+            one = lag_information(fit, self._axes[name], x, along, self._felt[name] * noise)
+            information += one.information
+            own += one.own
+            felt += slope[self.window.inside] * self.window.readings(one.score)
         if information <= 0:
             return float("inf")
-        return (own + float(shared**2 @ noise)) ** 0.5 / information
+        shared = self.window.variance(felt, lambda frequency: self._noise(lag, frequency))
+        return (own + shared) ** 0.5 / information

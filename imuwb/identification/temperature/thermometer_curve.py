@@ -42,15 +42,22 @@ class ThermometerCurve:
     def of_sensor(self, lag: float, window: float) -> Floats:
         """Return the sensor's temperature, (n,) °C, if the thermometer lags it by ``lag`` s, smoothed by a window (s)."""
         if lag < 0:
-            # The exact low-pass of straight lines between the means.
-            keep = np.exp(self.interval / lag)
-            early = (1 - keep) * -lag / self.interval
+            # The exact low-pass of straight lines between the means; at rest where the first block begins, half a block before its mean.
+            keep, early = _first_order(self.interval, -lag)
             taps = [1 - early, early - keep]
-            state = [(1 - taps[0]) * self.celsius[0]]
+            half = (self.celsius[1] - self.celsius[0]) / 2
+            first = self.celsius[0] - half * _first_order(self.interval / 2, -lag)[1]
+            state = [first - taps[0] * self.celsius[0]]
             late = np.asarray(signal.lfilter(taps, [1, -keep], self.celsius, zi=state)[0], dtype=np.float64)
             return smoothed(late, self.interval, window)
         here = self.celsius + lag * np.gradient(self.celsius, self.interval)
         return smoothed(here, self.interval, window)
+
+
+def _first_order(step: float, constant: float) -> tuple[float, float]:
+    """Return what a low-pass of first order keeps of its state over a step (s), and what it still lacks of a straight rise by 1."""
+    keep = float(np.exp(-step / constant))
+    return keep, (1 - keep) * constant / step
 
 
 def thermometer_curve(time: Floats, celsius: Floats, at: Floats) -> ThermometerCurve:

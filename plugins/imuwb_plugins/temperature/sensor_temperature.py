@@ -30,16 +30,16 @@ def lag_of(log: Log, parameters: Parameters) -> ThermalLag | None:
     blocks = _means(list(axes.values()), between)
     if blocks is None:
         return None
-    edges, means = blocks
-    middles = log.seconds((edges[:-1] + edges[1:]) // 2)
-    # Even to rounding: blocks are cut at whole nanoseconds.
-    at = np.linspace(middles[0], middles[-1], middles.size)
+    times, means = blocks
+    ends = log.seconds(times[[0, -1]])
+    # Even but for less than the time between two samples.
+    at = np.linspace(ends[0], ends[1], times.size)
     curve = thermometer_curve(log.seconds(thermometer.time), thermometer.value, at)
     return thermal_lag(curve, means, given=parameters.lag, level=parameters.level)
 
 
 def _means(axes: Sequence[Axis], between: float) -> tuple[Integers, dict[str, Floats]] | None:
-    """Return the edges of blocks (ns) and the means of each axis in them, from the longest part that all axes have."""
+    """Return the mean time of the samples in each block (ns) and the means of each axis, from the longest part that all axes have."""
     parts = [axis.time[axis.longest_rows] for axis in axes]
     first, last = max(int(p[0]) for p in parts), min(int(p[-1]) for p in parts)
     seconds = (last - first) / SECOND
@@ -50,10 +50,12 @@ def _means(axes: Sequence[Axis], between: float) -> tuple[Integers, dict[str, Fl
         return None
     edges = np.linspace(first, last, count + 1).astype(np.int64)
     means: dict[str, Floats] = {}
+    times = np.empty(count, dtype=np.int64)
     for axis in axes:
         rows = np.searchsorted(axis.time, edges)
         size = np.diff(rows)
         if not size.all():
             return None
         means[axis.name] = np.add.reduceat(axis.values[: rows[-1]], rows[:-1]) / size
-    return edges, means
+        times = first + np.add.reduceat(axis.time[: rows[-1]] - first, rows[:-1]) // size
+    return times, means
