@@ -42,7 +42,7 @@ def test_intervals_contain_the_truth(load):
 
 def test_printed_intervals_cover_less_than_edf_at_long_times(load):
     module = load("coverage_table4")
-    curve = module.study(records=10, hours=0.1, workers=1)[3]
+    curve = module.study(records=6, hours=0.1, workers=1)[3]
     edf, printed = (pooled(load, curve.column(kind)[-2:]) for kind in ("edf", "printed"))
     assert edf.count > printed.count
     assert at_least(edf, 0.93)
@@ -50,7 +50,7 @@ def test_printed_intervals_cover_less_than_edf_at_long_times(load):
 
 def test_samples_follow_their_processes(load):
     module = load("samples_follow_processes")
-    _, _, allan, density = module.study(records=60, workers=1)
+    _, _, allan, density = module.study(records=40, workers=1)
     assert allan.column("process") == tuple(module.PROCESSES)
     for table in (allan, density):
         for name, _, *means in table.rows:
@@ -63,7 +63,7 @@ def test_samples_follow_their_processes(load):
 
 def test_limits_are_not_exceeded(load):
     module = load("limits")
-    _, k, others = module.study(records=12, minutes=10.0, workers=1)
+    _, k, others = module.study(records=8, minutes=10.0, workers=1)
     absent, smallest, *_ = k.rows
     assert at_most(absent[2], 0.05)
     assert absent[4].value == 1

@@ -19,7 +19,7 @@ LATE = 0.2  #: s
 @pytest.fixture(scope="module")
 def noisy(toml):
     log = drive(
-        sensor(), mixed_route(300, 3), 1, rate=50.0, receiver=Receiver(latency=LATE),
+        sensor(), mixed_route(200, 3), 1, rate=50.0, receiver=Receiver(latency=LATE),
         motion_noise=MotionNoise((2e-3, 2e-2), when="always"),
     )  # fmt: skip
     return outage.run([log], Parameters(error_model=toml, durations="10", settling=40.0))
