@@ -1,8 +1,12 @@
-"""How a fleet of 100,000 logs would fare: measured on fewer, with tasks that do nothing on a real Dask scheduler."""
+"""How a fleet of 100,000 logs would fare: all of them listed and planned; fewer for the rest, with tasks that do nothing on a real Dask scheduler.
+
+The bucket is that of ``listing_server.py``, which sends 1,000 objects at a time, as S3 does.
+"""
 
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -12,8 +16,9 @@ import psutil
 from study_report import Table
 
 from imuwb import __version__
+from imuwb.errors import UsageError
 from imuwb.fleet.dask_cluster import DaskCluster, local_cluster
-from imuwb.fleet.executor import Bounds, Call
+from imuwb.fleet.executor import Bounds, Call, TransportError
 from imuwb.fleet.identity import ByGroup, Identity
 from imuwb.fleet.listing import Listed, found
 from imuwb.fleet.parts import Part, known_parts, part_name
@@ -25,6 +30,10 @@ from imuwb.fleet.tables import Entry, tables_of
 LOGS, PARTS, EMPTY = 100_000, 2_000, 2_000  #: files that are listed; parts that become tables; tasks that do nothing
 AXES, LETTERS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"), "QNBKR"
 MEGA = 1e6
+HERE, PORT = Path(__file__).resolve().parent, 5133
+STORE = {
+    "AWS_ACCESS_KEY_ID": "k", "AWS_SECRET_ACCESS_KEY": "s", "AWS_REGION": "us-east-1", "AWS_ENDPOINT_URL": f"http://127.0.0.1:{PORT}",
+}  # fmt: skip
 
 
 def memory(process=None):
@@ -104,15 +113,15 @@ def results(folder):
     )
 
 
-def scheduler():
-    """Return rows on a Dask scheduler in a process of its own and two workers, with tasks that do nothing."""
-    own = subprocess.run([sys.executable, __file__], capture_output=True, text=True, check=True, env=os.environ)
+def apart(what):
+    """Return rows that a process of its own measures: "bucket" on 100,000 objects of a store, "scheduler" on a Dask scheduler."""
+    own = subprocess.run([sys.executable, __file__, what], capture_output=True, text=True, check=True)
     return tuple(tuple(line.split("\t")) for line in own.stdout.splitlines())
 
 
 def scale(folder):
     """Return the table."""
-    rows = (*listing(folder), *results(folder), *scheduler())
+    rows = (*listing(folder), *apart("bucket"), *results(folder), *apart("scheduler"))
     note = (
         "The last column is in proportion to the number; the scheduler holds only the tasks that wait (three for each worker). The rows are\n"
         "made up and alike, so real tables are larger; the memory of the tables is mostly that of 1,000 logs at a time, and its proportion an upper end."
@@ -120,8 +129,39 @@ def scale(folder):
     return Table("100,000 logs", ("what", "measured with", "measured", "of 100,000"), rows, note)
 
 
-def measure():
-    """Print the rows of the scheduler."""
+def bucket():
+    """Print the rows of a store."""
+    os.environ.update(STORE)
+    server = subprocess.Popen([sys.executable, str(HERE / "listing_server.py"), str(PORT), str(LOGS)])
+    try:
+        _answers()
+        before, began, used = memory(), time.monotonic(), time.process_time()
+        listed = found(["s3://fleet/drives/**/*.mcap"])
+        took, used = time.monotonic() - began, time.process_time() - used
+    finally:
+        server.kill()
+        server.wait()
+    assert len(listed) == LOGS
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / MEGA - before
+    print(f"CPU to list the objects of a bucket\t{LOGS}\t{used:.1f} s\t{used:.1f} s")
+    print(f"time by the clock, the server on the same machine\t{LOGS}\t{took:.1f} s\t{took:.1f} s")
+    print(f"most memory that this takes more\t{LOGS}\t{grown:.0f} MB\t{grown:.0f} MB")
+
+
+def _answers():
+    """Wait until the server of the store answers, and import what lists it."""
+    for _ in range(100):
+        try:
+            found(["s3://fleet/none/"])
+        except UsageError:  # it has no such object
+            return
+        except TransportError:
+            time.sleep(0.2)
+    raise RuntimeError("the server does not answer")
+
+
+def scheduler():
+    """Print the rows of a Dask scheduler in a process of its own and two workers, with tasks that do nothing."""
     cluster = local_cluster(2)
     executor = DaskCluster("local", __version__, cluster)
     calls = (Call(abs, number, Bounds(60, 1e9)) for number in range(EMPTY))
@@ -142,5 +182,4 @@ def measure():
 
 
 if __name__ == "__main__":
-    sys.path.append(str(Path(__file__).resolve().parent))
-    measure()
+    {"bucket": bucket, "scheduler": scheduler}[sys.argv[1]]()
