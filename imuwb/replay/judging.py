@@ -19,7 +19,6 @@ from imuwb.replay.references.reference_check import (
     yardsticks,
 )
 from imuwb.replay.scoring.scores import Scores, scores
-from imuwb.texts import counted
 
 Drifts = Mapping[str, Mapping[float, Drift]]  #: filter -> duration -> its drift in the outages of this duration
 OwnScores = Mapping[str, Mapping[float, Scores]]
@@ -92,4 +91,4 @@ def _unscored(duration: float, lost: int, gaps: int, reference: str) -> tuple[No
 
 
 def _not_scored(count: int, duration: float) -> str:
-    return f"{counted(count, 'outage')} of {duration:g} s {'is' if count == 1 else 'are'} not scored"
+    return f"{count} outage{' of' if count == 1 else 's of'} {duration:g} s {'is' if count == 1 else 'are'} not scored"

@@ -60,7 +60,7 @@ def charts(
             limits = _limits(one, timelines, beside=beside, growing=first == 0)
             corner: Corner = "RightTop"
             if beside:
-                corner, limits = _placed(one, timelines, limits)
+                corner, limits = _placed(one, timelines, limits, growing=first == 0)
             yield (
                 _view(one, own, shown, (across, limits), corner),
                 Chart(own, one.time, one.values, one.series.spans, limits),
@@ -129,7 +129,7 @@ def _across(drawn: Sequence[_Drawn], timelines: Timelines) -> rr.TimeRange:
 
 
 def _placed(
-    one: _Drawn, timelines: Timelines, limits: tuple[float, float] | None
+    one: _Drawn, timelines: Timelines, limits: tuple[float, float] | None, *, growing: bool
 ) -> tuple[Corner, tuple[float, float] | None]:  # fmt: skip
     """Return the corner of the legend of a chart beside a scene, and the chart's limits, which leave a short legend room above the lines."""
     if not one.time.size:
@@ -141,11 +141,14 @@ def _placed(
     height = LEGEND_ROW * (len(names) + 1) / LOWEST  # a row more, for what is shaded
     size = (min(width, 1.0), min(height, 1.0))
     corner, hidden = free_corner(one.time, one.values, shown, limits, size)
-    if not hidden or limits is None or len(names) > FEW_NAMES:
+    if not hidden or growing or len(names) > FEW_NAMES:
         return corner, limits
     inside = one.values[np.logical_or.reduce([w.holds(one.time) for w in windows])] if windows else one.values
-    low, top = limits[0], float(np.nanmax(inside))
-    return "LeftTop", (low, max(limits[1], low + (top - low) / (1 - ROOM)))
+    if not np.isfinite(inside).any():  # the window lies between two rows
+        return corner, limits
+    low, top = float(np.nanmin(inside)), float(np.nanmax(inside))
+    low, high = limits or (low, top)
+    return "LeftTop", (low, max(high, low + (top - low) / (1 - ROOM)))
 
 
 def _view(

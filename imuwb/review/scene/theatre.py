@@ -20,8 +20,9 @@ from imuwb.scene import Scene
 
 HALVES = (1.2, 1.0)  #: shares of the width: the scene, the charts
 SCENE_SHARES = (1.65, 1.0)  #: shares of the height: the scene, what is below it
-CHART_FRAME = 84.0  #: height of a chart without the rows of its legend, px
-LOWEST, HIGHEST = 150.0, 250.0  #: least heights of a chart, and of the first one, px
+CHART_FRAME = 56.0  #: height of a chart without the rows of its legend, px
+LOWEST, HIGHEST = 150.0, 230.0  #: least heights of a chart, and of the first one, px
+FIELD = 0.78  #: share of the height of a chart's field that the viewer gives a legend
 BESIDE = 46.0  #: height that charts beside each other have more, because lines have no room beside the legend, px
 ICONS = 110.0  #: width of what stands beside the title of a chart, px
 BELOW = (1.0, 1.25, 0.75)  #: shares of the width: the plan, what holds now, the events
@@ -60,7 +61,8 @@ class Theatre:
         if series:
             rows = _rows([*zip(series, entries, strict=True)])
             heights = [
-                max(CHART_FRAME + LEGEND_ROW * max(n for _, n in row) + BESIDE * (len(row) - 1), LOWEST) for row in rows
+                max(CHART_FRAME + LEGEND_ROW / FIELD * max(n for _, n in row) + BESIDE * (len(row) - 1), LOWEST)
+                for row in rows
             ]
             heights[0] = max(heights[0], HIGHEST)
             views = [_side_by_side([view for view, _ in row]) for row in rows]

@@ -3,9 +3,9 @@ import pytest
 
 from imuwb.analysis import Series
 from imuwb.log import SECOND
-from imuwb.review.recording.charts import charts
+from imuwb.review.recording.charts import _Drawn, _placed, charts
 from imuwb.review.scene.clock import Clock
-from imuwb.review.scene.timelines import Timelines
+from imuwb.review.scene.timelines import Timelines, Window
 from imuwb.scene import Span
 
 TIME = np.arange(5, dtype=np.int64) * SECOND
@@ -42,3 +42,16 @@ def test_each_chart_of_an_entity_hides_the_lines_of_the_others(logged):
 def test_charts_with_shading_have_entities_of_their_own(spans, plain, logged):
     found = views(logged, [series("a", spans=spans), series("b")], plain=plain)
     assert [view.origin for view in found] == ["/t/series_0", "/t/series_1"]
+
+
+def test_a_legend_that_no_corner_takes_has_room_above_the_lines():
+    time = np.arange(100, dtype=np.int64) * SECOND
+    lines = np.stack([np.zeros(100), np.ones(100)], axis=1)
+    series = Series("speed", "m/s", time, lines, ("a", "b"))
+    timelines = Timelines(Clock())
+    assert _placed(_Drawn(series, time, lines), timelines, (0.0, 1.0), growing=True) == ("LeftTop", (0.0, 1.0))
+    corner, (low, high) = _placed(_Drawn(series, time, lines), timelines, None, growing=False)
+    assert (corner, low) == ("LeftTop", 0.0)
+    assert high == pytest.approx(2.5)
+    timelines.window(Window("outage", 10 * SECOND + 1, 10 * SECOND + 2, 10 * SECOND + 3))  # between two rows
+    assert _placed(_Drawn(series, time, lines), timelines, None, growing=False) == ("LeftTop", None)
