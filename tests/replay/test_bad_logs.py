@@ -179,7 +179,7 @@ def test_a_gap_of_the_imu_is_not_scored_and_said(town):
     assert found.scored[20.0].tolist() == [True, False, True]
     assert found.scored[10.0].tolist() == [False]
     assert {"gap-in-outage", "imu-gaps"} <= set(ids(found.notes))
-    assert any(n.startswith("1 outages of 20 s are not scored") for n in found.notes)
+    assert any(n.startswith("1 outage of 20 s is not scored") for n in found.notes)
 
 
 def test_behind_the_reference_is_not_scored_and_said(town):
@@ -189,7 +189,7 @@ def test_behind_the_reference_is_not_scored_and_said(town):
     found = replay(prepared, [town.model], [Outage(110.0, 20.0), Outage(130.0, 20.0)])
     assert found.scored[20.0].tolist() == [True, False]
     assert "no-reference" in ids(found.notes)
-    assert any(n.startswith("1 outages of 20 s are not scored: truth") for n in found.notes)
+    assert any(n.startswith("1 outage of 20 s is not scored: truth") for n in found.notes)
 
 
 def test_a_reference_that_is_not_there(town):
