@@ -1,5 +1,5 @@
 """``python -m imuwb``."""
 
-from imuwb.cli import main
+from imuwb.cli import program
 
-main()
+program()

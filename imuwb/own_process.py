@@ -12,7 +12,7 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from importlib.abc import MetaPathFinder
 from types import ModuleType
@@ -23,7 +23,6 @@ THREADS = "OPENBLAS_NUM_THREADS"  #: read when numpy and scipy are imported
 
 _own = False  # whether the process is that of the command line
 _given = os.environ.get(THREADS)
-_exit_code: int | None = None
 
 
 def command_line() -> None:
@@ -31,25 +30,31 @@ def command_line() -> None:
     global _own  # noqa: PLW0603 - a process has one state
     _own = True
     gc.set_threshold(OBJECTS, ROUNDS)
-    atexit.register(_end)  # registered before all others, so it runs after them, when all threads of Python have ended
     os.environ.setdefault(THREADS, "1")
 
 
-def end_with(code: object) -> None:
-    """State how the process will end, as ``SystemExit.code`` does; it ends when its main module has."""
-    global _exit_code  # noqa: PLW0603 - a process has one end
-    _exit_code = 0 if code is None else code if isinstance(code, int) else None
+def run_program(program: Callable[[], None]) -> None:
+    """Run the program of this process, and end the process when it is done. Nothing else of this process may follow."""
+    code: object = 1
+    # Registered before all others, so it runs after them, when all threads of Python have ended.
+    atexit.register(lambda: _end(code))
+    try:
+        program()
+        code = 0
+    except SystemExit as leaving:
+        code = leaving.code or 0
+        raise
 
 
-def _end() -> None:
-    if _exit_code is None:  # an error that Python must print
+def _end(code: object) -> None:
+    if not isinstance(code, int):  # a sentence, which Python prints
         return
     try:
         sys.stdout.flush()
         sys.stderr.flush()
     except (OSError, ValueError):  # Python says so, in its own words
         return
-    os._exit(_exit_code)
+    os._exit(code)
 
 
 def environment() -> dict[str, str]:

@@ -55,44 +55,51 @@ def test_other_programs_get_the_threads_that_were_given(given, monkeypatch):
 READS_AHEAD = """
 import io, time
 from imuwb import own_process
-own_process.command_line()
-import pyarrow as pa
-from pyarrow import csv
 
-class Slow(io.RawIOBase):
-    begun = False
-    def readable(self):
-        return True
-    def read(self, size=-1):
-        time.sleep(0.05 * self.begun)
-        self.begun = True
-        return b"1.0,2.0\\n" * (1 << 14)
+def program():
+    own_process.command_line()
+    import pyarrow as pa
+    from pyarrow import csv
 
-reader = csv.open_csv(pa.PythonFile(Slow(), "r"), csv.ReadOptions(column_names=["a", "b"], block_size=1 << 16))
-reader.read_next_batch()
-print("done")
-{end}
+    class Slow(io.RawIOBase):
+        begun = False
+        def readable(self):
+            return True
+        def read(self, size=-1):
+            time.sleep(0.05 * self.begun)
+            self.begun = True
+            return b"1.0,2.0\\n" * (1 << 14)
+
+    reader = csv.open_csv(pa.PythonFile(Slow(), "r"), csv.ReadOptions(column_names=["a", "b"], block_size=1 << 16))
+    reader.read_next_batch()
+    print("done")
+    raise SystemExit(3)
+
+own_process.run_program(program)
 """
 
 
-def ended(end):
-    program = READS_AHEAD.replace("{end}", end)
+def ended(program):
     return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
 
 
 def test_a_thread_that_reads_ahead_does_not_abort_a_process_that_is_done():
-    done = ended("own_process.end_with(3)")
+    done = ended(READS_AHEAD)
     assert (done.returncode, done.stdout.strip(), done.stderr) == (3, "done", "")
 
 
-@pytest.mark.parametrize(("code", "expected"), [(None, 0), (2, 2)])
-def test_the_exit_code_is_that_of_the_program(code, expected):
-    program = f"from imuwb import own_process\nown_process.command_line()\nown_process.end_with({code})\nprint('whole')"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout.strip()) == (expected, "whole")
+@pytest.mark.parametrize(
+    ("program", "code", "said"),
+    [("print('whole')", 0, ""), ("exit(2)", 2, ""), ("exit('why')", 1, "why"), ("1 / 0", 1, "ZeroDivisionError: division by zero")],
+)  # fmt: skip
+def test_the_exit_code_is_that_of_the_program(program, code, said):
+    done = ended(f"from imuwb.own_process import run_program\ndef program():\n    {program}\nrun_program(program)")
+    assert done.returncode == code
+    assert said in done.stderr
+    assert done.stdout.strip() == ("whole" if code == 0 else "")
 
 
-def test_an_error_that_python_prints_keeps_its_exit_code():
-    program = "from imuwb import own_process\nown_process.command_line()\nraise SystemExit('why')"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr.strip()) == (1, "why")
+def test_the_command_line_in_another_program_does_not_end_it():
+    text = "import sys\nfrom imuwb.cli import main\nsys.argv = ['imuwb', 'info', 'gone']\ntry:\n    main()\nexcept SystemExit as e:\n    print(e.code)\nexit(7)"
+    done = ended(text)
+    assert (done.returncode, done.stdout.strip()) == (7, "4")

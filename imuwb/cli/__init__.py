@@ -12,6 +12,11 @@ from imuwb.errors import ImuwbError
 _warned: list[str] = []  #: warnings that were printed
 
 
+def program() -> None:
+    """Run the command line as the program of this process."""
+    own_process.run_program(main)
+
+
 def main() -> None:
     """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
     own_process.command_line()
@@ -20,10 +25,6 @@ def main() -> None:
     with Signals() as signals:
         try:
             _run(signals)
-            own_process.end_with(0)
-        except SystemExit as leaving:
-            own_process.end_with(leaving.code)
-            raise
         finally:
             _tell_cost()
 

@@ -21,6 +21,11 @@ _TEXT = (b"% program", b"% (", b"%  GPST", b"FMT, 128")
 _SUFFIXES = (".csv", ".pos", ".tlog", ".bin", ".log", ".ulg", ".bag", ".db3")
 
 
+def program() -> None:
+    """Import one file as the program of this process."""
+    own_process.run_program(main)
+
+
 def main() -> None:
     """Import one file, or decline it."""
     paths = [argument for argument in sys.argv[1:] if not argument.startswith("-")]
@@ -31,9 +36,7 @@ def main() -> None:
     if not may_be_ours(path):
         raise SystemExit(NOT_OURS)
     own_process.command_line()
-    code = _imported(path, _option("--application-id"), _option("--recording-id"))
-    own_process.end_with(code)
-    raise SystemExit(code)
+    raise SystemExit(_imported(path, _option("--application-id"), _option("--recording-id")))
 
 
 def _option(name: str) -> str | None:

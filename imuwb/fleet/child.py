@@ -38,7 +38,6 @@ def main() -> None:
                 done = outcome(0, call)
                 watch.memory = 0.0
             _send(done, answers)
-    own_process.end_with(0)
 
 
 def _unpacked(packed: bytes) -> tuple[Completed | None, Call | None]:
@@ -58,4 +57,4 @@ def _send(value: object, answers: BinaryIO) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    own_process.run_program(main)
