@@ -1,5 +1,6 @@
 """Analyses on the command line: by their names, and their errors."""
 
+import errno
 import os
 import traceback
 from collections.abc import Generator, Mapping
@@ -10,6 +11,8 @@ from typing import Any, cast
 from imuwb import registry
 from imuwb.analysis import Analysis
 from imuwb.errors import ImuwbError, UsageError
+
+OF_THE_MACHINE = (errno.EMFILE, errno.ENFILE, errno.ENOSPC)  #: no fault of the plugin that meets them
 
 
 def analysis_named(name: str) -> Analysis:
@@ -44,6 +47,8 @@ def errors_named(name: str, analysis: Analysis) -> Generator[None]:
     except (ImuwbError, MemoryError):
         raise
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in OF_THE_MACHINE:
+            raise
         if os.environ.get("IMUWB_TRACEBACK"):
             raise
         home = str(Path(getattr(analysis, "__file__", "") or "").parent)

@@ -1,5 +1,6 @@
 """How an analysis is run: the number of its logs, and errors in its own code."""
 
+import errno
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -36,5 +37,10 @@ def test_an_error_in_a_plugin_names_the_plugin_and_errors_of_imuwb_stay():
         errors_named("mine", analysis),
     ):  # the command line says what to do, as of a reader's
         raise MemoryError
+    with (
+        pytest.raises(OSError, match="open files"),
+        errors_named("mine", analysis),
+    ):  # of the machine, not of the plugin
+        raise OSError(errno.EMFILE, "too many open files")
     with pytest.raises(ImuwbError, match="outside its own code"), errors_named("mine", SimpleNamespace(__file__="")):
         raise ValueError

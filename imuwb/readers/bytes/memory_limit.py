@@ -5,6 +5,7 @@ it, and a job object of Windows would need the C interface of the system, which 
 that of ``imuwb.fleet.bounds``, ends it: it suits a child process, and not the program that a person runs.
 """
 
+import mmap
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -29,6 +30,14 @@ def limited() -> Generator[None]:
     finally:
         if before is not None:
             _set(before)
+
+
+def check_room(size: int) -> None:
+    """Raise MemoryError if this process cannot have this many bytes more, for a library that ends the process in that case."""
+    try:
+        mmap.mmap(-1, size).close()
+    except OSError as error:
+        raise MemoryError from error
 
 
 def _lower() -> tuple[int, int] | None:

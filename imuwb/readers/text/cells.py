@@ -16,12 +16,14 @@ from pyarrow import csv
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.notes import Note
+from imuwb.readers.bytes.memory_limit import check_room
 from imuwb.readers.text import lines
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unix_nanoseconds
 
 BLOCK = 4 << 20
+ROOM = 16 * BLOCK  #: bytes that the parser takes at least; without them it ends the process
 LINES = Note("cell_count", "lines without the usual number of cells left out")
 CHECKSUM = Note("checksum", "lines with a wrong checksum left out")
 CELLS = Note("not_a_number", "cells that are not numbers are taken as missing")
@@ -94,6 +96,7 @@ def _parsed(
         try:
             if rows.is_empty():
                 return
+            check_room(ROOM)
             reader = csv.open_csv(
                 pa.PythonFile(rows, "r"),
                 csv.ReadOptions(column_names=names, block_size=BLOCK),
