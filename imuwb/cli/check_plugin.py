@@ -66,7 +66,7 @@ def check(
     failed = sum(len(report.failed) for report in reports)
     if failed:
         raise ImuwbError(
-            f"{plugin} breaks {failed} rule{'s' if failed > 1 else ''} of its contract; each line above says what to do"
+            f"{plugin} breaks {failed} rule{'s' if failed > 1 else ''} of its contract; the text of each says what to do"
         )
 
 

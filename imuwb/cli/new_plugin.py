@@ -94,9 +94,9 @@ def new(
         write_text(place, text)
     root = folder / name if package else folder / f"{name}.py"
     steps = (
-        (Step(f"pip install -e {root}", "then imuwb finds it"), Step(f"pytest {root}", "its own tests"))
+        (Step(f'pip install -e "{root}[test]"', "then imuwb finds it"), Step(f"pytest {root}", "its own tests"))
         if package
-        else (Step(f"imuwb plugins check {root}", "does it keep its contract?"), Step(f"pytest {folder / f'test_{name}.py'}", "its own tests"))
+        else (Step(f"imuwb plugins check {root}{' LOG' if kind == 'reader' else ''}", "does it keep its contract?"), Step(f"pytest {folder / f'test_{name}.py'}", "its own tests"))
     )  # fmt: skip
     sentence = "It is complete and keeps its contract. Change what it computes, then its tests."
     print_panel(

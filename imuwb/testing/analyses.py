@@ -180,9 +180,8 @@ def _answer_faults(answer: object, name: str) -> Iterator[str]:
     if any(not isinstance(cell, str) for row in answer.rows for cell in cast("tuple[object, ...]", row)):
         yield "a cell of the answer is no text; format it with its unit"
         return
-    yield from (
-        fault for line in (attempt(lambda: panel(answer, Origin(name, ("check.mcap",)))),) if (fault := line.fault)
-    )
+    if fault := attempt(lambda: panel(answer, Origin(name, ("check.mcap",)))).fault:
+        yield fault
 
 
 def _offered(run: _Run) -> Iterator[str]:

@@ -43,11 +43,13 @@ def check(
         parameters: options and their values, as texts on the command line: {"length": "2"}.
 
     Raises:
-        UsageError: the plugin is of no kind.
+        UsageError: the plugin is of no kind, or it is a reader and ``parameters`` are given.
         UnreadableLogError: a log cannot be read.
     """
     kind, texts = kind_of(plugin), dict(parameters or {})
     if kind == "reader":
+        if texts:
+            raise UsageError(f"{next(iter(texts))}: a reader has no options of its own; leave it out")
         return Report(name, kind, tuple(reader_outcomes(plugin, name, [Path(log) for log in logs])))
     given = [read(log) for log in logs]
     outcomes = analysis_outcomes if kind == "analysis" else conditioner_outcomes

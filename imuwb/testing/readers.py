@@ -100,11 +100,19 @@ def _rows(plugin: object, file: Path) -> Attempt[tuple[Batch | Remark, ...]]:
 def _reads(plugin: object, file: Path) -> Iterator[str]:
     with file.open("rb") as opened:
         head = opened.read(HEAD)
-    if not cast("Any", plugin).probe(head):
+    claim = attempt(lambda: cast("Any", plugin).probe(head))
+    if claim.fault:
+        yield f"probe raises {claim.fault} for {file.name}; return True or False"
+    elif not claim.value:
         yield f"probe does not claim {file.name}"
     parts = _rows(plugin, file)
     if parts.value is None:
         yield f"stream raises {parts.fault} for {file.name}"
+        return
+    yielded = cast("tuple[object, ...]", parts.value)
+    odd = next((part for part in yielded if not isinstance(part, Batch | Remark)), None)
+    if odd is not None:
+        yield f"stream yields a {type(odd).__name__}; yield Batch and Remark of imuwb.readers.batch"
         return
     batches = [part for part in parts.value if isinstance(part, Batch)]
     if not batches:
@@ -134,8 +142,8 @@ def _batch_faults(batch: Batch) -> Iterator[str]:
 
 def _key(parts: Sequence[Batch | Remark]) -> list[object]:
     return [
-        (p.stream, p.kind, p.time.tobytes(), *((n, np.asarray(v).tobytes()) for n, v in p.columns.items()))
-        if isinstance(p, Batch) else (p.text, p.stream, p.count)
+        (p.stream, p.kind, np.asarray(p.time).tobytes(), *((n, np.asarray(v).tobytes()) for n, v in p.columns.items()))
+        if isinstance(p, Batch) else repr(p)
         for p in parts
     ]  # fmt: skip
 

@@ -307,6 +307,20 @@ def test_what_a_reader_breaks_is_named(made_file, changes, rule, named):
     assert named in failed(reader(stream=_streams(**changes)), logs=[made_file])[rule]
 
 
+def test_a_probe_that_fails_on_its_own_log_is_named(made_file):
+    plugin = reader(probe=lambda head: head.startswith(b"MADE") and head[500] == 0)
+    assert "IndexError" in failed(plugin, logs=[made_file])["reads"]
+
+
+def test_a_stream_of_what_is_no_row_is_named(made_file):
+    assert "a int" in failed(reader(stream=lambda path, options: iter((1,))), logs=[made_file])["reads"]
+
+
+def test_a_reader_has_no_options():
+    with pytest.raises(UsageError, match="length"):
+        check(reader(), "made", parameters={"length": "2"})
+
+
 def test_a_reader_with_a_state_is_named(made_file):
     counter = itertools.count()
 

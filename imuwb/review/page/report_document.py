@@ -4,11 +4,11 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 
-from imuwb.analysis import Answer, Curve, Figure, Mark, Series, Step, Table, Vertical
+from imuwb.analysis import Answer, AxisScale, Curve, Figure, Mark, Series, Step, Table, Vertical
 from imuwb.arrays import Floats
 from imuwb.errors import UnreadableLogError
 from imuwb.log import SECOND, Epoch
@@ -22,7 +22,7 @@ DIGITS = 4  #: significant digits of a value
 STEPS = 5000  #: of a range of values that can be told apart
 EXACT = 2**53  #: up to it every whole number is a float
 PLACES = 9  #: decimals of a position in rad: 6 mm
-STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band", "bar"), ("log", "linear", "whole")
+STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band", "bar"), get_args(AxisScale)
 EPOCHS: tuple[Epoch, ...] = ("unix", "boot", "log")
 
 

@@ -83,9 +83,11 @@ def _pieces(time: Integers, values: Floats, length: float) -> tuple[Integers, Fl
 def answer(result: Result) -> Answer:
     """Return what a person must know first."""
     rows = tuple((name, interval_text(axis.usual)) for name, axis in result.axes.items())
-    loud = max(result.axes, key=lambda name: result.axes[name].usual.upper / result.axes[name].usual.value)
-    usual = result.axes[loud].usual
-    sentence = f"{loud} has the loudest piece: {usual.upper / usual.value:.3g} times its usual scatter."
+    times = {n: axis.usual.upper / axis.usual.value for n, axis in result.axes.items() if axis.usual.value > 0}
+    loud = max(times, key=lambda name: times[name], default="")
+    sentence = "No axis scatters: the values do not change."
+    if loud:
+        sentence = f"{loud} has the loudest piece: {times[loud]:.3g} times its usual scatter."
     return Answer(
         f"pieces of {result.length:g} s", ("axis", "scatter [quietest, loudest]"), rows, (sentence,),
         numbers={f"scatter of {name}": axis.usual for name, axis in result.axes.items()},

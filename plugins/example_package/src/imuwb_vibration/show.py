@@ -6,7 +6,7 @@ from imuwb.colors import AXIS_COLORS
 from imuwb.statistics import Estimate
 from imuwb.texts import duration_text, number_text
 
-from imuwb_vibration.result import Axis, Band, Result
+from imuwb_vibration.result import Band, Result
 
 UNITS = {"gyro": ("deg/s", 180 / np.pi), "accel": ("m/s²", 1.0)}
 STRONG = 0.5  #: share of a band's power above which a line explains it
@@ -67,7 +67,7 @@ def draw(result: Result, review: Review) -> None:
         review.bars(
             Bars(f"{sensor}: rms by band", unit, tuple(_bar(n, b) for n, axis in axes.items() for b in axis.bands))
         )
-    review.table(_table(result.axes, result))
+    review.table(_table(result))
 
 
 def _bar(name: str, band: Band) -> Bar:
@@ -75,10 +75,10 @@ def _bar(name: str, band: Band) -> Bar:
     return Bar(f"{name}, {_name(band)}", rms.value, AXIS_COLORS[name[-1]], rms.lower, rms.upper)
 
 
-def _table(axes: dict[str, Axis], result: Result) -> Table:
+def _table(result: Result) -> Table:
     rows = tuple(
         (name, _name(band), str(_shown(name, band.rms)), *_line(band))
-        for name, axis in axes.items()
+        for name, axis in result.axes.items()
         for band in axis.bands
     )
     caption = f"Intervals of {100 * result.level:g} %, from how much the segments differ. Share: of the band's power in the strongest line; none: the density is largest at an edge of the band."
