@@ -3,7 +3,7 @@
 #   docker build -t imuwb .
 #   docker run --rm -v "$PWD":/data imuwb noise static.mcap
 #
-# The user is no root, and the compiled kernels are there already, so nothing has to be written beside the data.
+# The user is not root, and the compiled kernels are there already, so nothing has to be written beside the data.
 FROM python:3.12-slim AS build
 COPY . /source
 RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels /source

@@ -57,6 +57,26 @@ def test_white_noise_has_its_density_and_its_interval_holds() -> None:
     assert 51 <= inside <= 60  # 57 are expected; 50 or fewer have a probability of 0.1 %
 
 
+def test_all_bands_together_have_the_power_of_the_bands() -> None:
+    """Each frequency is in one band, and in the whole."""
+    for axis in imuwb_vibration.run([shaken(0.1, 90.0)], imuwb_vibration.Parameters()).axes.values():
+        np.testing.assert_allclose(axis.rms.value**2, sum(band.rms.value**2 for band in axis.bands))
+
+
+def test_sensors_of_two_rates_share_a_table() -> None:
+    """A band that ends earlier for the slower sensor is named by its begin; one that it lacks is a dash."""
+    log = shaken(1.0, 10.0)
+    imu = log.imus[0]
+    force = imu.specific_force
+    assert force is not None
+    slow = replace(imu, specific_force=Triad(force.time[::2], force.value[::2]))
+    result = imuwb_vibration.run([replace(log, imus=(slow,))], imuwb_vibration.Parameters())
+    answer = imuwb_vibration.answer(result)
+    assert answer.headings == ("rms", "all bands", "1 to 5 Hz", "5 to 20 Hz", "from 20 Hz", "80 to 100 Hz")
+    assert {row[-1] == "—" for row in answer.rows if row[0].startswith("accel")} == {True}
+    assert {len(row) for row in answer.rows} == {6}
+
+
 def test_segments_have_no_gap_inside() -> None:
     """A log that has only short parts gives no segment."""
     log = shaken(1.0, 10.0)

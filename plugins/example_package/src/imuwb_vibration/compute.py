@@ -62,7 +62,7 @@ def _axis(segments: Floats, rate: float, edges: list[float], level: float, unit:
     frequency = np.arange(size // 2 + 1) * (rate / size)
     mean = density.mean(axis=0)
     bands = tuple(_band(frequency, density, mean, low, high, level, unit) for low, high in pairwise(edges))
-    inside = (frequency >= edges[0]) & (frequency <= edges[-1])
+    inside = (frequency >= edges[0]) & (frequency < edges[-1])
     total = _rms(density[:, inside].sum(axis=1) * frequency[1], level, unit)
     return Axis(bands, total, frequency, mean, len(segments))
 

@@ -15,10 +15,15 @@ COLUMNS = 4  #: bands of the panel
 
 def answer(result: Result) -> Answer:
     """Return what a person must know first."""
-    bands = next(iter(result.axes.values())).bands[:COLUMNS]
-    headings = ("rms", "all bands", *(_name(band) for band in bands))
+    count = min(max(len(axis.bands) for axis in result.axes.values()), COLUMNS)
+    headings = ("rms", "all bands", *(_heading(result, place) for place in range(count)))
     rows = tuple(
-        (name, _cell(name, axis.rms), *(_cell(name, b.rms) for b in axis.bands[:COLUMNS]))
+        (
+            name,
+            _cell(name, axis.rms),
+            *(_cell(name, b.rms) for b in axis.bands[:count]),
+            *["—"] * (count - len(axis.bands)),
+        )
         for name, axis in result.axes.items()
     )
     numbers = {f"rms of {name}": _shown(name, axis.rms) for name, axis in result.axes.items()}
@@ -27,6 +32,13 @@ def answer(result: Result) -> Answer:
         about, headings, rows, tuple(_sentences(result)), (Step("{command} --full", "intervals and lines"),),
         f"intervals of {100 * result.level:g} % in --full", numbers=numbers,
     )  # fmt: skip
+
+
+def _heading(result: Result, place: int) -> str:
+    """Return the name of a band; sensors of different rates have a last band of different width."""
+    bands = [axis.bands[place] for axis in result.axes.values() if place < len(axis.bands)]
+    names = {_name(band) for band in bands}
+    return names.pop() if len(names) == 1 else f"from {bands[0].low:g} Hz"
 
 
 def _sentences(result: Result) -> list[str]:
