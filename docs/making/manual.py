@@ -8,9 +8,8 @@ from typing import Any
 
 import typer
 
-from imuwb.cli.app import COMMANDS, build
+from imuwb.cli.app import every_command
 from imuwb.cli.help import parted
-from imuwb.registry import ANALYSES, installed
 
 ALWAYS = ("help", "config", "save_config")  #: options of every command, which are explained once
 EXIT_CODES = (
@@ -44,10 +43,8 @@ def manual() -> str:
         ),
         ".SH COMMANDS",
     ]  # fmt: skip
-    for name in (*COMMANDS, *installed(ANALYSES)):
-        root: Any = typer.main.get_command(build([name]))
-        for full, command in _inner(name, getattr(root, "commands", {}).get(name, root)):
-            lines += _command(full, command)
+    for name, command in every_command():
+        lines += _command(name, command)
     lines += [".SH OPTIONS OF EVERY COMMAND"]
     lines += _item("--config FILE.toml", "Read options from a settings file; the command line beats it.")
     lines += _item("--save-config FILE.toml", "Write all options of this run, so that --config repeats it.")
@@ -57,16 +54,7 @@ def manual() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _inner(name: str, command: Any) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - a command of click
-    """Yield a command, or the commands of a group, by their names after imuwb."""
-    own: dict[str, Any] = getattr(command, "commands", {})
-    if not own or getattr(command, "invoke_without_command", False):
-        yield name, command
-    for part, inner in own.items():
-        yield from _inner(f"{name} {part}", inner)
-
-
-def _command(name: str, command: Any) -> Iterator[str]:  # noqa: ANN401 - as above
+def _command(name: str, command: Any) -> Iterator[str]:  # noqa: ANN401 - a command of click
     context = typer.Context(command, info_name=name)
     usage = " ".join(re.sub(r"^\{(.*)\}$", r"\1", piece) for piece in command.collect_usage_pieces(context))
     yield f".SS imuwb {_escaped(name)}"

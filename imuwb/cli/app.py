@@ -1,10 +1,10 @@
 """Builds the command line from the commands of the core and the installed analyses."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, cast
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -55,6 +55,23 @@ def build(arguments: list[str]) -> typer.Typer:
         return app
     _add_analyses(app, name)
     return app
+
+
+def every_command() -> Iterator[tuple[str, Any]]:
+    """Yield each command by its name after imuwb; a group is one only if it does something by itself."""
+    from imuwb import registry  # noqa: PLC0415 - as below
+
+    for name in (*COMMANDS, *registry.installed(registry.ANALYSES)):
+        root: Any = typer.main.get_command(build([name]))
+        yield from _inner(name, getattr(root, "commands", {}).get(name, root))
+
+
+def _inner(name: str, command: Any) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - a command of click
+    own: dict[str, Any] = getattr(command, "commands", {})
+    if not own or getattr(command, "invoke_without_command", False):
+        yield name, command
+    for part, inner in own.items():
+        yield from _inner(f"{name} {part}", inner)
 
 
 def _add_analyses(app: typer.Typer, name: str) -> None:

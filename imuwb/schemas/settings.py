@@ -1,13 +1,9 @@
 """The JSON Schema of a settings file: for each command, its options and the kinds of their values."""
 
-from collections.abc import Iterator
 from typing import Any
 
-import typer.main
-
-from imuwb.cli.app import COMMANDS, build
+from imuwb.cli.app import every_command
 from imuwb.cli.settings import COMMAND, OWN, key_of
-from imuwb.registry import ANALYSES, installed
 
 Schema = dict[str, Any]
 
@@ -20,23 +16,8 @@ _VALUE: Schema = {
 
 def settings_schema() -> Schema:
     """Return the schema of settings files of all commands."""
-    commands = [_command(name, command) for name, command in _commands()]
+    commands = [_command(name, command) for name, command in every_command() if not hasattr(command, "commands")]
     return {"type": "object", "oneOf": commands, "$defs": {"value": _VALUE}}
-
-
-def _commands() -> Iterator[tuple[str, Any]]:
-    """Yield each command by its name as it is typed after imuwb."""
-    for name in (*COMMANDS, *installed(ANALYSES)):
-        root = typer.main.get_command(build([name]))
-        yield from _inner(name, getattr(root, "commands", {}).get(name, root))
-
-
-def _inner(name: str, command: Any) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - a command of click
-    own: dict[str, Any] = getattr(command, "commands", {})
-    if not own:
-        yield name, command
-    for part, inner in own.items():
-        yield from _inner(f"{name} {part}", inner)
 
 
 def _command(name: str, command: Any) -> Schema:  # noqa: ANN401 - a command of click
