@@ -73,6 +73,8 @@ def load_file(path: str | Path) -> ModuleType:
         UsageError: there is no such file, or it cannot be imported.
     """
     path = Path(path)
+    if path.is_dir():
+        raise UsageError(f"{path}: this is a folder; give the file of a plugin in it")
     if not path.is_file():
         raise UsageError(f"{path}: there is no such file; give the path of a plugin")
     name = f"imuwb_file_plugin_{path.stem}"
@@ -85,7 +87,8 @@ def load_file(path: str | Path) -> ModuleType:
     try:
         specification.loader.exec_module(module)
     except SyntaxError as error:
-        raise UsageError(f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin must be valid Python") from error
+        where = f"{path}, line {error.lineno}" if error.lineno else f"{path}"
+        raise UsageError(f"{where}: {error.msg}; the plugin must be valid Python, in UTF-8") from error
     except (Exception, SystemExit) as error:
         raise UsageError(f"{path}: the import of the plugin fails: {type(error).__name__}: {error}") from error
     return module

@@ -1,5 +1,7 @@
 """imuwb plugins check: asks every rule of the contract of a plugin."""
 
+import sys
+from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -54,11 +56,12 @@ def check(
     from imuwb.testing import methods_of  # noqa: PLC0415
 
     values = _values(option or [])
-    name, whole = _loaded(plugin)
-    reports = [
-        _with_command(checked(one, of, logs=logs or (), parameters=values), plugin, one)
-        for of, one in methods_of(whole, name).items()
-    ]
+    with redirect_stdout(sys.stderr):  # what a plugin prints is no part of the report
+        name, whole = _loaded(plugin)
+        reports = [
+            _with_command(checked(one, of, logs=logs or (), parameters=values), plugin, one)
+            for of, one in methods_of(whole, name).items()
+        ]
     if json:
         typer.echo(json_text({"schema": 1, "plugins": reports}))
     for report in reports if not json else ():
@@ -95,6 +98,11 @@ def _loaded(plugin: str) -> tuple[str, object]:
             if loaded is None:
                 raise UsageError(f"{plugin}: the plugin cannot be imported; see the warning")
             return plugin, loaded
+    if Path(plugin).is_dir():
+        raise UsageError(
+            f"{plugin}: this is a folder, and no installed plugin has this name; if it is a package, install it (pip install -e {plugin}) "
+            "and give the plugin's name"
+        )
     raise UsageError(
         f"{plugin}: no installed plugin has this name; imuwb plugins lists them, and a plugin's file ends in .py"
     )

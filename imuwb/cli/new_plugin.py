@@ -3,7 +3,7 @@
 import ast
 import keyword
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.util import find_spec
@@ -14,7 +14,7 @@ import typer
 
 from imuwb import registry
 from imuwb.cli.options import Force, output_option
-from imuwb.errors import UsageError
+from imuwb.errors import ImuwbError, UsageError
 
 Kind: TypeAlias = Literal["analysis", "conditioner", "reader"]
 
@@ -79,19 +79,20 @@ def new(
     from imuwb.cli.places import check_place  # noqa: PLC0415
     from imuwb.cli.terminal import print_panel  # noqa: PLC0415
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
-    from imuwb.writers import write_text  # noqa: PLC0415
+    from imuwb.writers import together, write_text  # noqa: PLC0415
 
-    _check_name(name)
+    _check_name(kind, name)
     if not folder.is_dir():
         raise UsageError(f"{folder}: there is no such folder; make it, or name another one with --folder")
     made = _package(kind, name) if package else _file(kind, name)
     places = {folder / place: text for place, text in made.items()}
     for place in places:
-        if place.exists() and not force:
-            check_place(place, force=False)
-    for place, text in places.items():
-        place.parent.mkdir(parents=True, exist_ok=True)
-        write_text(place, text)
+        if place.exists():
+            check_place(place, force=force)
+    _make_folders(places)
+    with together(places):  # all of them, or none
+        for place, text in places.items():
+            write_text(place, text)
     root = folder / name if package else folder / f"{name}.py"
     steps = (
         (Step(f'pip install -e "{root}[test]"', "then imuwb finds it"), Step(f"pytest {root}", "its own tests"))
@@ -105,16 +106,37 @@ def new(
     )  # fmt: skip
 
 
-def _check_name(name: str) -> None:
+def _make_folders(places: Iterable[Path]) -> None:
+    """Make the folders of some files.
+
+    Raises:
+        ImuwbError: a folder cannot be made.
+    """
+    for folder in dict.fromkeys(place.parent for place in places):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ImuwbError(
+                f"{folder}: this folder cannot be made ({error.strerror}); choose another name, or another --folder"
+            ) from error
+
+
+def _check_name(kind: Kind, name: str) -> None:
     """Check that a name can be that of a plugin and of a module.
 
     Raises:
         UsageError: it cannot.
     """
-    if not GOOD.fullmatch(name) or keyword.iskeyword(name):
+    from imuwb.cli.app import COMMANDS  # noqa: PLC0415 - app imports this module
+
+    if not GOOD.fullmatch(name):
         raise UsageError(
-            f"{name}: the name of a plugin must be 2 to 40 small letters, digits and _, and begin with a letter"
+            f"{name!r}: the name of a plugin must be 2 to 40 small letters (a to z), digits and _, and begin with a letter"
         )
+    if keyword.iskeyword(name):
+        raise UsageError(f"{name}: this is a keyword of Python, so no module can have the name; choose another one")
+    if kind == "analysis" and name in COMMANDS:
+        raise UsageError(f"{name}: a command of imuwb has this name; choose another one")
     for group in (registry.ANALYSES, registry.CONDITIONERS, registry.READERS):
         if name in registry.installed(group):
             raise UsageError(f"{name}: a plugin of {group} has this name; choose another one")

@@ -17,8 +17,8 @@ Kind = Literal["analysis", "conditioner", "reader"]
 _MARKS: dict[str, Kind] = {"condition": "conditioner", "probe": "reader", "run": "analysis"}
 
 
-def kind_of(plugin: object) -> Kind:
-    """Return which kind of plugin a module is.
+def kind_of(plugin: object, name: str = "") -> Kind:
+    """Return which kind of plugin a module is; ``name`` is how an error names it.
 
     Raises:
         UsageError: it has the parts of no kind.
@@ -27,7 +27,7 @@ def kind_of(plugin: object) -> Kind:
         if offers(plugin, mark):
             return kind
     raise UsageError(
-        f"{getattr(plugin, '__name__', plugin)}: this is no plugin; an analysis has run, a conditioner has condition, and a reader has probe"
+        f"{name or getattr(plugin, '__name__', plugin)}: this is no plugin; an analysis has run, a conditioner has condition, and a reader has probe"
     )
 
 
@@ -46,7 +46,7 @@ def check(
         UsageError: the plugin is of no kind, or it is a reader and ``parameters`` are given.
         UnreadableLogError: a log cannot be read.
     """
-    kind, texts = kind_of(plugin), dict(parameters or {})
+    kind, texts = kind_of(plugin, name), dict(parameters or {})
     if kind == "reader":
         if texts:
             raise UsageError(f"{next(iter(texts))}: a reader has no options of its own; leave it out")

@@ -70,7 +70,18 @@ def test_a_new_plugin_overwrites_nothing(imuwb, tmp_path):
     assert imuwb("plugins", "new", "analysis", "odd", "--force").code == 0
 
 
-@pytest.mark.parametrize("name", ["Odd", "my-plugin", "x", "class", "allan", "json", "../odd"])
+def test_a_new_plugin_is_whole_or_nowhere(imuwb, tmp_path):
+    (tmp_path / "test_odd.py").mkdir()
+    done = imuwb("plugins", "new", "analysis", "odd", "--force")
+    assert (done.code, "test_odd.py" in done.err) == (1, True)
+    assert not (tmp_path / "odd.py").exists()
+    (tmp_path / "odd_two").write_text("mine", "utf-8")
+    done = imuwb("plugins", "new", "analysis", "odd_two", "--package")
+    assert (done.code, "--folder" in done.err) == (1, True)
+    assert (tmp_path / "odd_two").read_text("utf-8") == "mine"
+
+
+@pytest.mark.parametrize("name", ["Odd", "my-plugin", "x", "class", "allan", "json", "plan", "../odd"])
 def test_a_name_that_cannot_be_used_is_refused(imuwb, tmp_path, name):
     done = imuwb("plugins", "new", "analysis", name)
     assert (done.code, name in done.err) == (2, True)
@@ -125,7 +136,17 @@ def test_a_check_of_nothing_is_refused(imuwb, tmp_path):
     assert imuwb("plugins", "check", "psd", "missing.mcap").code == 4
     (tmp_path / "none.py").write_text("x = 1\n", "utf-8")
     none = imuwb("plugins", "check", "none.py")
-    assert (none.code, "no plugin" in none.err) == (2, True)
+    assert (none.code, "no plugin" in none.err, "imuwb_file" in none.err) == (2, True, False)
+    (tmp_path / "folder.py").mkdir()
+    (tmp_path / "package").mkdir()
+    assert "folder" in imuwb("plugins", "check", "folder.py").err
+    assert "pip install -e package" in imuwb("plugins", "check", "package").err
+
+
+def test_what_a_plugin_prints_is_no_part_of_the_report(imuwb, tmp_path):
+    (tmp_path / "odd.py").write_text(BROKEN + '\nprint("hello")\n', "utf-8")
+    done = imuwb("plugins", "check", "odd.py", "--json")
+    assert (json.loads(done.out)["schema"], "hello" in done.err) == (1, True)
 
 
 def test_an_installed_plugin_is_checked_by_its_name(imuwb):
