@@ -1,6 +1,7 @@
 """imuwb plan: how long to record a still sensor."""
 
 import math
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -95,8 +96,8 @@ def plan(
             found = plan_record(sensor, wants, used, hours=hours)
         except ValueError as error:
             raise UsageError(f"--hours {hours}: {error}") from error
-    twice = f"imuwb plan {typed} --want {want} --rate {used:g} --hours {_round(2 * (found.hours or 1.0)):g}"
-    answer, origin = plan_answer(found, wants, tuple(_steps(twice))), Origin("plan", (name,))
+    again = f"imuwb plan {typed} --want {shlex.quote(want)} --rate {used:g}"
+    answer, origin = plan_answer(found, wants, tuple(_steps(again, found.hours))), Origin("plan", (name,))
     if output is not None:
         _written(found, sensor, wants, output, answer, origin, [path for path in (model, record) if path], force=force)
     _print(found, wants, output, answer, origin, full=full, json=json)
@@ -110,11 +111,13 @@ def _check(rate: float | None, hours: float | None, output: Path | None) -> None
         raise UsageError(f"--output {output}: the suffix must be .rrd")
 
 
-def _steps(twice: str) -> "Iterator[Step]":
+def _steps(again: str, hours: float | None) -> "Iterator[Step]":
+    """Yield what to do next; ``hours``: of the plan, None where no length reaches what is wanted."""
     from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
     from imuwb.cli.next_steps import analysis_steps  # noqa: PLC0415
 
-    yield Step(twice, "what twice the time reaches")
+    if hours is not None and (twice := _round(2 * hours)) <= LONGEST:
+        yield Step(f"{again} --hours {twice:g}", "what twice the time reaches")
     yield from (Step(step.command.replace("{log}", "RECORD"), step.why) for step in analysis_steps({"imu"}))
 
 
@@ -162,8 +165,6 @@ def _sensor(
     preset: str | None, model: Path | None, record: Path | None
 ) -> "tuple[ImuErrorModel, float | None, str, str]":
     """Return a sensor's model, its rate (Hz), its name, and the option that was typed."""
-    import shlex  # noqa: PLC0415 - as small as the command
-
     from imuwb.estimators.export import model_rate  # noqa: PLC0415 - help must not wait
     from imuwb.simulation import preset as preset_named  # noqa: PLC0415
     from imuwb.simulation import sensor_model  # noqa: PLC0415

@@ -34,6 +34,14 @@ def test_a_first_short_record_makes_a_plan(imuwb, tmp_path):
     assert (done.code, "100 Hz" in done.out, "≥" in done.out) == (0, True, True), done.err
 
 
+def test_the_next_command_can_be_run(imuwb):
+    spaced = imuwb("plan", "--preset", "stim300", "--want", "N:1%, B:30%")
+    assert "--want 'N:1%, B:30%'" in " ".join(spaced.out.split())
+    for options in (("--want", "N:1e-9%"), ("--want", "N:1%", "--hours", "1e4")):  # no length, and the longest
+        done = imuwb("plan", "--preset", "stim300", *options)
+        assert (done.code, "--hours" in done.out) == (0, False), done.out
+
+
 @pytest.mark.parametrize(
     ("options", "named"),
     [

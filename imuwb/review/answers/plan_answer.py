@@ -64,7 +64,10 @@ def _unreached(plan: RecordPlan) -> Iterator[str]:
         yield f"{letter} is not in the model of {_axes(own)}, so no length is stated{more}."
     hidden = [need for need in plan.needs if need.known and need.hours is None]
     for letter, own in _by_letter(hidden).items():
-        yield f"{letter} of {_axes(own)} is not reached within {MOST_HOURS:g} h: the other terms cover it at all averaging times that such a record has."
+        yield (
+            f"{letter} of {_axes(own)} is not reached within {MOST_HOURS:g} h: the wanted width is too small, or the other terms cover "
+            "it at all averaging times that such a record has."
+        )
 
 
 def plan_table(plan: RecordPlan) -> Table:
