@@ -15,7 +15,7 @@ CONTENT = (
     "versions of imuwb, Python and the libraries; the operating system and the processor; installed plugins",
     "names of the IMUWB_ and NUMBA_ variables that are set, without their values",
     "the last fault of imuwb: its kind and its places in the code, numbers and quoted words of its message left out",
-    "of the log: its summary, as imuwb info --json states it, and the kinds of its faults",
+    "of the log: its summary, as imuwb info --json states it, and the kinds of its faults; or why it cannot be read",
 )
 
 
@@ -39,10 +39,14 @@ def bug_report(
     """
     from imuwb.cli.last_fault import last_fault  # noqa: PLC0415 - help must not wait
     from imuwb.cli.places import check_place  # noqa: PLC0415
+    from imuwb.errors import UnreadableLogError  # noqa: PLC0415
+    from imuwb.readers.bytes.address import place_of  # noqa: PLC0415
     from imuwb.review.answers.document import json_text  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
     check_place(output, force=force)
+    if log is not None and isinstance(place := place_of(log), Path) and not place.exists():
+        raise UnreadableLogError(f"{log}: there is no such file; give the path of the log, or leave it out")
     content: dict[str, object] = {
         "schema": 1,
         "content": list(CONTENT if log is not None else CONTENT[:-1]),

@@ -24,6 +24,8 @@ def test_a_report_has_versions_and_the_log_without_samples_folders_or_users(imuw
     assert found["versions"]["numpy"]
     assert (found["last_fault"], len(found["content"])) == (None, 4)
     assert imuwb("bug-report", "-o", "report.json").code == 2  # it exists
+    assert imuwb("bug-report", "missing.csv", "-o", "other.json").code == 4
+    assert not (tmp_path / "other.json").exists()
 
 
 def test_the_last_fault_is_kept_without_the_log(imuwb, tmp_path, monkeypatch):
