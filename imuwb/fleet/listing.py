@@ -39,12 +39,18 @@ def found(patterns: Iterable[str], apart: str = "") -> tuple[Listed, ...]:
         apart: a folder whose files are no logs: that of the results.
 
     Raises:
-        UsageError: a pattern matches nothing.
+        UsageError: a pattern matches nothing, or only files in the folder ``apart``.
         TransportError: a store does not answer.
     """
     logs: dict[str, Listed] = {}
     for pattern in patterns:
-        own = [log for log in _matching(pattern) if not (apart and _within(log.place, apart))]
+        matching = list(_matching(pattern))
+        own = [log for log in matching if not (apart and _within(log.place, apart))]
+        if matching and not own:
+            raise UsageError(
+                f"{_shown(pattern)}: all that matches is in {_shown(apart)}, the folder of the results, whose files are no logs; give "
+                "another folder with --output"
+            )
         if not own:
             hint = "put the pattern in quotes, and check it" if SPECIAL.search(pattern) else "check the path"
             raise UsageError(

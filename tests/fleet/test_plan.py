@@ -39,6 +39,8 @@ def test_patterns(folder, patterns, names):
 
 def test_the_results_are_no_logs(folder):
     assert [log.place for log in found(["."], "v1")] == ["v2/s[2]/a.csv"]
+    with pytest.raises(UsageError, match="--output"):
+        found(["v1/s1/b.csv"], "v1")
 
 
 def test_a_log_that_changes_has_another_tag(folder):

@@ -249,7 +249,9 @@ class Parameters:
             raise ValueError("durations is empty; it must have one or more durations, such as 30,60")
         for outage in given(self.at):
             if outage.duration not in DURATION:
-                raise ValueError(f"at: an outage lasts {outage.duration:g} s; it must last {DURATION}")
+                raise ValueError(
+                    f"at: an outage lasts {outage.duration:g} s, from {outage.start:g} s; it must last {DURATION}"
+                )
         if unknown := [name for name in self.degrade if name not in ("noise", "jump", "every")]:
             raise ValueError(f"degrade has {unknown[0]}; it must be noise=M,jump=M,every=S")
         if self.degrade.get("every", EVERY.least) not in EVERY:
