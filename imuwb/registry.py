@@ -45,7 +45,7 @@ def load(point: EntryPoint) -> object | None:
     """Return the plugin of an entry point; None, with a warning that names it, if it cannot be imported."""
     try:
         return point.load()
-    except Exception as error:  # noqa: BLE001 - the module of another package may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - the module of another package may raise anything
         message = f"plugin {_origin(point)} cannot be imported: {type(error).__name__}: {error}"
         warnings.warn(message, PluginWarning, stacklevel=2)
         return None

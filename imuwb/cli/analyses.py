@@ -46,10 +46,10 @@ def errors_named(name: str, analysis: Analysis) -> Generator[None]:
         yield
     except (ImuwbError, MemoryError):
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # an exit of the plugin would look like a command that is done
         if isinstance(error, OSError) and error.errno in OF_THE_MACHINE:
             raise
-        if os.environ.get("IMUWB_TRACEBACK"):
+        if os.environ.get("IMUWB_TRACEBACK") and isinstance(error, Exception):
             raise
         home = str(Path(getattr(analysis, "__file__", "") or "").parent)
         inside = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(home)]

@@ -66,6 +66,9 @@ def attempt(call: Callable[[], Value]) -> Attempt[Value]:
     """Return what a call returns, or its error."""
     try:
         return Attempt(call())
+    except SystemExit as error:  # it would end the check, with the exit code of a plugin that keeps its contract
+        ended = RuntimeError(f"SystemExit: {error}, which ends the program; raise an error with the reason")
+        return Attempt(None, ended.with_traceback(error.__traceback__))
     except Exception as error:  # noqa: BLE001 - a plugin may raise anything
         return Attempt(None, error)
 

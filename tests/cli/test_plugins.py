@@ -149,6 +149,19 @@ def test_what_a_plugin_prints_is_no_part_of_the_report(imuwb, tmp_path):
     assert (json.loads(done.out)["schema"], "hello" in done.err) == (1, True)
 
 
+def test_a_plugin_that_leaves_is_no_success(imuwb, tmp_path, static_mcap):
+    (tmp_path / "odd.py").write_text(
+        BROKEN.replace('    return {"axes"', '    raise SystemExit(0)\n    return {"axes"'), "utf-8"
+    )
+    done = imuwb("plugins", "check", "odd.py")
+    assert (done.code, "SystemExit" in done.out, "odd.py" in done.out) == (1, True, True)
+    (tmp_path / "odd.py").write_text(
+        BROKEN.replace("rate", "pace").replace('return {"axes"', 'raise SystemExit(0)  # {"'), "utf-8"
+    )
+    run = imuwb(str(tmp_path / "odd.py"), static_mcap)
+    assert (run.code, "SystemExit" in run.err) == (1, True)
+
+
 def test_an_installed_plugin_is_checked_by_its_name(imuwb):
     done = imuwb("plugins", "check", "decimate", "--with", "factor=2")
     assert (done.code, "causality" in done.out) == (0, True)
