@@ -59,9 +59,8 @@ def _values(text: str, values: str) -> list[str]:
 def steps_of(setting: Mapping[str, str]) -> list[Step]:
     """Return the conditioners of one setting in the order that they declare; those without an order come last."""
     parameters: dict[str, dict[str, str]] = {}
-    short = _short_names()
     for name, value in setting.items():
-        conditioner, key, others = short[name] if name in short else (*name.split(".", 1), {})
+        conditioner, key, others = _meant(name)
         parameters.setdefault(conditioner, {}).update({key: value, **others})
     names = sorted(parameters, key=lambda name: getattr(conditioner_of(name, OPTION), "ORDER", math.inf))
     return [step_of(name, parameters[name], OPTION) for name in names]
@@ -69,10 +68,18 @@ def steps_of(setting: Mapping[str, str]) -> list[Step]:
 
 def _unit(name: str) -> str:
     """Return the unit of a setting, which its conditioner declares; empty: it has none."""
-    short = _short_names()
-    conditioner, key, *_ = short[name] if name in short else name.split(".", 1)
+    conditioner, key, _ = _meant(name)
     options = options_of(conditioner_of(conditioner, OPTION).Parameters)
     return next((option.unit for option in options if option.name == key), "")
+
+
+def _meant(name: str) -> tuple[str, str, Mapping[str, str]]:
+    """Return conditioner, parameter and values of other parameters of a setting; a conditioner that is a file has dots in its path."""
+    short = _short_names()
+    if name in short:
+        return short[name]
+    conditioner, _, key = name.rpartition(".")
+    return conditioner, key, {}
 
 
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:

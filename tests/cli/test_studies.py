@@ -125,3 +125,11 @@ def test_conditioners_declare_their_order(installed):
     installed(a_last=last, plain=SimpleNamespace(Parameters=decimate.Parameters), z_first=first)
     setting = {"plain.factor": "2", "a_last.seconds": "1", "z_first.seconds": "1"}
     assert [step.name for step in steps_of(setting)] == ["z_first", "a_last", "plain"]
+
+
+def test_a_conditioner_of_a_study_may_be_a_file(tmp_path):
+    text = "from imuwb_plugins.decimate import Parameters, condition\n"
+    (tmp_path / "mine.py").write_text(text, "utf-8")
+    (setting,) = grid([f"{tmp_path / 'mine.py'}.factor=2"])
+    (step,) = steps_of(setting)
+    assert (step.name, step.parameters.factor) == ("mine", 2)
