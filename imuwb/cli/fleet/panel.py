@@ -13,6 +13,7 @@ from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import file_of
 from imuwb.fleet.store import Store
 from imuwb.review.answers.panel import Origin
+from imuwb.texts import counted
 
 MOST = 4  #: faults that are named
 
@@ -46,15 +47,16 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
     sensors = {(row["vehicle"], row["serial"]) for row in logs if row["serial"] is not None}
     named = sum(row["serial"] is not None for row in logs)
     sentences = [
-        f"{state.done} of {state.logs} logs gave a result, {quarantined_text(state.quarantined)}: {faults_text(kinds)}."
+        f"{state.done} of {counted(state.logs, 'log')} gave a result, {quarantined_text(state.quarantined)}: {faults_text(kinds)}."
     ]
     if named < len(logs):
         sentences.append(
-            f"The sensor of {len(logs) - named} logs is not known: --group, --identities or --metadata state it."
+            f"The sensor of {counted(len(logs) - named, 'log')} is not known: --group, --identities or --metadata state it."
         )
     if not worked:
         sentences.append("All of it was there: nothing was left to do.")
-    about = f"{state.logs} logs of {len(sensors) or 'unknown'} sensors, {state.executor}"
+    known = counted(len(sensors), "sensor") if sensors else "unknown sensors"
+    about = f"{counted(state.logs, 'log')} of {known}, {state.executor}"
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences),
         (Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift"),),
