@@ -192,10 +192,17 @@ def _fitted(path: Path) -> "tuple[ImuErrorModel, float]":
     from imuwb.axes import axes_of  # noqa: PLC0415 - help must not wait
     from imuwb.cli.reading import read_log  # noqa: PLC0415
     from imuwb.errors import MissingDataError  # noqa: PLC0415
+    from imuwb.health import stillness_of  # noqa: PLC0415
     from imuwb.identification import fit_likelihood, model_of_fits  # noqa: PLC0415
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
 
     log = read_log(path, ReadOptions())
+    still = stillness_of(log)
+    if still is not None and still.moving:
+        raise MissingDataError(
+            f"{path}: the IMU moves in most of the record, which then shows the motion and not the sensor's noise; give --record a record "
+            "of the still sensor"
+        )
     axes = axes_of(log.imu())
     try:
         fits = {name: fit_likelihood(axis.longest, axis.clock.interval) for name, axis in axes.items()}

@@ -34,6 +34,12 @@ def test_a_first_short_record_makes_a_plan(imuwb, tmp_path):
     assert (done.code, "100 Hz" in done.out, "≥" in done.out) == (0, True, True), done.err
 
 
+def test_a_moving_record_makes_no_plan(imuwb):
+    assert imuwb("simulate", "drive", "--sensor", "adis16470", "--duration", "600", "-o", "drive.mcap").code == 0
+    done = imuwb("plan", "--record", "drive.mcap")
+    assert (done.code, "moves" in done.err) == (3, True), done.err
+
+
 def test_the_next_command_can_be_run(imuwb):
     spaced = imuwb("plan", "--preset", "stim300", "--want", "N:1%, B:30%")
     assert "--want 'N:1%, B:30%'" in " ".join(spaced.out.split())
