@@ -40,7 +40,7 @@ def analysis_named(name: str) -> Analysis:
 
 
 @contextmanager
-def errors_named(name: str, analysis: Analysis) -> Generator[None]:
+def errors_named(name: str, plugin: object, kind: str = "analysis") -> Generator[None]:
     """Raise ImuwbError with the plugin's name and its line in place of an error that imuwb did not raise on purpose."""
     try:
         yield
@@ -51,10 +51,10 @@ def errors_named(name: str, analysis: Analysis) -> Generator[None]:
             raise
         if os.environ.get("IMUWB_TRACEBACK") and isinstance(error, Exception):
             raise
-        home = str(Path(getattr(analysis, "__file__", "") or "").parent)
+        home = str(Path(getattr(plugin, "__file__", "") or "").parent)
         inside = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(home)]
         where = f"{inside[-1].filename}, line {inside[-1].lineno}" if inside and home else "outside its own code"
         raise ImuwbError(
-            f"analysis {name} failed: {type(error).__name__}: {error} ({where}); "
+            f"{kind} {name} failed: {type(error).__name__}: {error} ({where}); "
             "set IMUWB_TRACEBACK=1 to see the whole traceback"
         ) from error

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from imuwb import registry
 from imuwb.analysis import Conditioner, Review, offers
+from imuwb.cli.analyses import errors_named
 from imuwb.cli.parameters import default_of
 from imuwb.errors import UsageError
 from imuwb.log import Conditioning, Log
@@ -32,11 +33,13 @@ class Step:
 
         Raises:
             UsageError: parameters that do not suit this log.
+            ImuwbError: the conditioner fails.
         """
-        try:
-            changed, change = self.conditioner.condition(log, self.parameters)
-        except ValueError as error:
-            raise UsageError(f"{self.option} {self.name}: {error}") from error
+        with errors_named(self.name, self.conditioner, "conditioner"):
+            try:
+                changed, change = self.conditioner.condition(log, self.parameters)
+            except ValueError as error:
+                raise UsageError(f"{self.option} {self.name}: {error}") from error
         return self._recorded(changed, log), change
 
     def _recorded(self, changed: Log, before: Log) -> Log:

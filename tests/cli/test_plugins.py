@@ -162,6 +162,16 @@ def test_a_plugin_that_leaves_is_no_success(imuwb, tmp_path, static_mcap):
     assert (run.code, "SystemExit" in run.err) == (1, True)
 
 
+@pytest.mark.parametrize("fault", ["raise SystemExit(0)", "1 / 0", "return log"])
+def test_a_fault_of_a_conditioner_is_its_own(imuwb, tmp_path, static_mcap, fault):
+    text = (
+        '"""Odd."""\nfrom dataclasses import dataclass\n@dataclass(frozen=True)\nclass Parameters:\n    """None."""\n'
+    )
+    (tmp_path / "odd.py").write_text(text + f"def condition(log, parameters):\n    {fault}\n", "utf-8")
+    done = imuwb("psd", static_mcap, "--through", "./odd.py")
+    assert (done.code, "conditioner odd failed" in done.err) == (1, True), done.err
+
+
 def test_an_installed_plugin_is_checked_by_its_name(imuwb):
     done = imuwb("plugins", "check", "decimate", "--with", "factor=2")
     assert (done.code, "causality" in done.out) == (0, True)
