@@ -16,6 +16,7 @@ from imuwb.statistics import Coefficient, Estimate
 
 MOST = 6  #: findings in the answer
 NAME = 14  #: columns of the name of a sensor
+SEEN = 12  #: sensors; in a smaller family one sensor widens the spread so much that none is found outside, however far it is
 
 
 def answer(report: FleetReport, verdicts: Sequence[SheetVerdict] = ()) -> Answer:
@@ -72,6 +73,8 @@ def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
     out, changed, vehicles = found_sensors(report)
     sure = f"chance alone finds one in {100 * report.error:g} % of fleets"
+    if not report.findings and all(one.sensors.sensor.size < SEEN for one in report.judged):
+        return f"None changes ({sure}). Which is out of family cannot be said: that needs {SEEN} sensors of one family."
     if not report.findings:
         return f"No sensor is out of family, and none changes ({sure})."
     more = len(rows_of(report)) - MOST
