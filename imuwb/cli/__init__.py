@@ -11,6 +11,9 @@ from imuwb.errors import ImuwbError
 
 _warned: list[str] = []  #: warnings that were printed
 
+#: what an import and a thread that get no memory say
+NO_MEMORY = ("failed to map segment from shared object", "cannot allocate memory", "can't start new thread")
+
 
 def program() -> None:
     """Run the command line as the program of this process."""
@@ -55,7 +58,12 @@ def _run(signals: Signals) -> None:
 
 def _is_fault(error: Exception) -> bool:
     """Return whether an error is a fault of imuwb, and not one of what it was given."""
-    return not isinstance(error, ImuwbError | OSError | MemoryError)
+    return not isinstance(error, ImuwbError | OSError | MemoryError) and not _lacks_memory(error)
+
+
+def _lacks_memory(error: Exception) -> bool:
+    """Return whether there was too little memory; imports and threads say so in words of the system."""
+    return isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY)
 
 
 def _message_of(error: Exception) -> str:
@@ -72,7 +80,7 @@ def _text_of(error: Exception) -> str:
         return "too many files are open at once; allow more (ulimit -n 256)"
     if isinstance(error, OSError):
         return f"{error.filename or 'output'}: {error.strerror or error}"
-    if isinstance(error, MemoryError):
+    if _lacks_memory(error):
         return "this does not fit in memory; analyse a part of the log with --start and --end, or allow more memory (ulimit -v)"
     return (
         f"internal error: {type(error).__name__}: {error}\n"
