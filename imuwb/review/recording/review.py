@@ -1,6 +1,7 @@
 """The review as a Rerun recording: tabs of figures, series, tables and notes; the recording contains its blueprint."""
 
 import socket
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -34,6 +35,7 @@ from imuwb.writers.whole import Draft
 PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
 PATIENCE = 20.0  #: s in which the file grows, unless nothing more can be written
+LEAVING = 5.0  #: s until the library lets go of a file, unless it never does
 VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
 with without("pandas"):
@@ -234,6 +236,14 @@ class RecordingReview:
         self.recording.send_blueprint(blueprint)
 
     def _disconnect(self) -> None:
+        """Let go of the file. On a full disk the viewer's library may wait for its own thread without end, and so it would at the exit."""
+        leaving = threading.Thread(target=self._leave, daemon=True)
+        leaving.start()
+        leaving.join(LEAVING)
+        if leaving.is_alive():
+            rr.unregister_shutdown()
+
+    def _leave(self) -> None:
         with suppress(RuntimeError):  # the thread that writes has ended
             self.recording.disconnect()
 

@@ -1,3 +1,5 @@
+import threading
+
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
@@ -101,4 +103,17 @@ def test_a_writer_that_never_answers_ends_as_a_file_that_is_not_whole(tmp_path, 
     with pytest.raises(ImuwbError, match="cannot be written"):
         review.close()
     assert asked in ([module.PATIENCE], [module.PATIENCE] * 2)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_library_that_never_lets_go_of_the_file_does_not_hold_the_program(tmp_path, monkeypatch):
+    """As on a full disk, where the thread that writes has ended and the library waits for it, at the exit of the program too."""
+    review = RecordingReview(tmp_path / "r.rrd")
+    let_go, unregistered = threading.Event(), []
+    monkeypatch.setattr(module, "LEAVING", 0.05)
+    monkeypatch.setattr(module.rr, "unregister_shutdown", lambda: unregistered.append(True))
+    monkeypatch.setattr(type(review.recording), "disconnect", lambda _: let_go.wait(20))
+    review.discard()
+    let_go.set()
+    assert unregistered
     assert not list(tmp_path.iterdir())
