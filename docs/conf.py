@@ -38,11 +38,22 @@ intersphinx_mapping = {
 autodoc_member_order, autodoc_typehints = "bysource", "signature"
 napoleon_google_docstring, napoleon_numpy_docstring = True, False
 programoutput_use_ansi = False
+suppress_warnings = [
+    "ref.python"
+]  # a type such as Literal["name"] is taken for a field, of which many classes have one
+
+
+def keep_bars(_app: Sphinx, _what: str, _name: str, _item: object, _options: object, lines: list[str]) -> None:
+    """Show the bars of a size, such as |x|, in place of a substitution; texts in double backquotes stay."""
+    for i, line in enumerate(lines):
+        parts = line.split("``")
+        lines[i] = "``".join(part if at % 2 else part.replace("|", r"\|") for at, part in enumerate(parts))
 
 
 def setup(app: Sphinx) -> None:
     """Make the pages that come from the code, before the build reads them."""
     make(HERE)
+    app.connect("autodoc-process-docstring", keep_bars)
     app.connect(
         "doctree-read", run_programs, priority=1
     )  # before Sphinx looks for the pictures that the commands write

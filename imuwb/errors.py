@@ -1,10 +1,12 @@
 """The errors of imuwb, and the exit code of each kind on the command line.
 
-ImuwbError                 1  the work failed: a file cannot be written, no viewer runs, ...
- ├── UsageError            2  a command, an option or a plugin is wrong
- ├── MissingDataError      3  the log is sound, but lacks data that the analysis needs
- └── UnreadableLogError    4  the log cannot be read, or contradicts what its user states
-      └── TransferError    4  a network or a store failed while the log was read; another attempt may succeed
+::
+
+    ImuwbError                 1  the work failed: a file cannot be written, no viewer runs, ...
+     ├── UsageError            2  a command, an option or a plugin is wrong
+     ├── MissingDataError      3  the log is sound, but lacks data that the analysis needs
+     └── UnreadableLogError    4  the log cannot be read, or contradicts what its user states
+          └── TransferError    4  a network or a store failed while the log was read; another attempt may succeed
 
 A message names the value, the rule that it breaks, and what to do.
 """
