@@ -39,7 +39,10 @@ def lag_of(log: Log, parameters: Parameters) -> ThermalLag | None:
 
 
 def _means(axes: Sequence[Axis], between: float) -> tuple[Integers, dict[str, Floats]] | None:
-    """Return the mean time of the samples in each block (ns) and the means of each axis, from the longest part that all axes have."""
+    """Return the mean time of each block (ns) and the means of each axis, from the longest part that all axes have.
+
+    The time is that of the samples of the last axis; those of the others differ by less than a sample.
+    """
     parts = [axis.time[axis.longest_rows] for axis in axes]
     first, last = max(int(p[0]) for p in parts), min(int(p[-1]) for p in parts)
     seconds = (last - first) / SECOND
