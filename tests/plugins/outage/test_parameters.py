@@ -48,7 +48,7 @@ README = "".join((ROOT / page).read_text("utf-8") for page in PAGES)
         ({"at": "nan:30"}, r"at is 'nan:30'"),
         ({"at": ((math.nan, 30.0),)}, r"at is nan:30"),
         ({"at": "inf:30"}, r"at is inf:30; it must be a finite number"),
-        ({"at": "10:30,20:1"}, r"at: an outage lasts 1 s; it must last 2 or more and 600 or less"),
+        ({"at": "10:30,20:1"}, r"at: an outage lasts 1 s, from 20 s; it must last 2 or more and 600 or less"),
         ({"at": ","}, r"at is ','"),
         ({"mounting": "0,0"}, r"mounting is '0,0'; it must be auto or three numbers"),
         ({"mounting": "0,0,north"}, r"mounting is '0,0,north'"),
