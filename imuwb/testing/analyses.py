@@ -17,6 +17,7 @@ from imuwb.stochastic import ImuErrorModel
 from imuwb.testing import logs as made_logs
 from imuwb.testing.options_rules import help_outcome, parameters_for, parameters_outcome
 from imuwb.testing.outcomes import Outcome, attempt, error_text, outcome, skipped
+from imuwb.testing.parts import parts_outcome
 from imuwb.testing.shown import drawn, unit_faults
 from imuwb.texts import counted, printable
 
@@ -44,13 +45,9 @@ def analysis_outcomes(plugin: object, name: str, given: Sequence[Log], texts: Ma
         given: logs on which it runs; empty: simulated ones.
         texts: options and their values, as texts.
     """
-    lacking = [part for part in PARTS if not offers(plugin, part)]
-    yield outcome(
-        "parts",
-        [f"the analysis lacks {part}; imuwb.analysis has its contract" for part in lacking],
-        "it has Parameters, run and draw",
-    )
-    if lacking:
+    parts = parts_outcome(plugin, "analysis", PARTS, "imuwb.analysis")
+    yield parts
+    if parts.state == "failed":
         return
     yield help_outcome(plugin)
     yield parameters_outcome(plugin, texts)
@@ -186,7 +183,7 @@ def _answer_faults(answer: object, name: str) -> Iterator[str]:
 
 def _offered(run: _Run) -> Iterator[str]:
     """Yield the parts that are offered and do not return what they must."""
-    for part, right in _PARTS.items():
+    for part, right in _MAY_OFFER.items():
         if not offers(run.plugin, part):
             continue
         made = attempt(lambda part=part: getattr(run.plugin, part)(run.result))
@@ -207,7 +204,7 @@ def _all(kind: type) -> Callable[[object], bool]:
     )
 
 
-_PARTS: dict[str, Callable[[object], bool]] = {
+_MAY_OFFER: dict[str, Callable[[object], bool]] = {
     "error_model": lambda value: (
         isinstance(value, ImuErrorModel) and ImuErrorModel.from_toml(value.to_toml()).axes.keys() == value.axes.keys()
     ),
@@ -256,10 +253,7 @@ def _lacking(run: _Run) -> Outcome:
 
 def _lacking_faults(run: _Run) -> Iterator[str]:
     parameters = copy.copy(run.parameters)
-    for what, log in (
-        ("a log without streams", made_logs.empty()),
-        ("a single gyro", made_logs.one_axis(run.log)),
-    ):
+    for what, log in made_logs.lacking(run.log).items():
         logs = (log, *run.logs[1:])
         done = attempt(lambda logs=logs: run.plugin.run(logs, parameters))
         if done.error is None:

@@ -14,6 +14,7 @@ from imuwb.options import options_of
 from imuwb.testing import logs as made_logs
 from imuwb.testing.options_rules import help_outcome, parameters_for, parameters_outcome
 from imuwb.testing.outcomes import Outcome, attempt, error_text, outcome, skipped
+from imuwb.testing.parts import parts_outcome
 from imuwb.testing.shown import drawn, unit_faults
 from imuwb.texts import counted
 
@@ -45,13 +46,9 @@ def conditioner_outcomes(
         given: logs that it changes; empty: a simulated one.
         texts: options and their values, as texts.
     """
-    lacking = [part for part in PARTS if not offers(plugin, part)]
-    yield outcome(
-        "parts",
-        [f"the conditioner lacks {part}; imuwb.analysis has its contract" for part in lacking],
-        "it has Parameters and condition",
-    )
-    if lacking:
+    parts = parts_outcome(plugin, "conditioner", PARTS, "imuwb.analysis")
+    yield parts
+    if parts.state == "failed":
         return
     yield help_outcome(plugin)
     yield parameters_outcome(plugin, texts)
@@ -211,10 +208,7 @@ def _hostile(done: _Done) -> Iterator[str]:
 
 
 def _lacking(done: _Done) -> Iterator[str]:
-    for what, log in (
-        ("a log without streams", made_logs.empty()),
-        ("a single gyro", made_logs.one_axis(done.log)),
-    ):
+    for what, log in made_logs.lacking(done.log).items():
         error = attempt(lambda log=log: done.plugin.condition(log, done.parameters)).error
         if error is not None and not isinstance(error, ImuwbError | ValueError):
             yield f"on {what}, condition raises {error_text(error)}; raise MissingDataError or ValueError with the reason"

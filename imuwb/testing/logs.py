@@ -65,6 +65,11 @@ def one_axis(log: Log) -> Log:
     return replace(log, imus=(replace(imu, angular_rate=Triad(rate.time, value), specific_force=None), *log.imus[1:]))
 
 
+def lacking(log: Log) -> dict[str, Log]:
+    """Return the logs that lack data, by what they have."""
+    return {"a log without streams": empty(), "a single gyro": one_axis(log)}
+
+
 def hostile(log: Log) -> Log:
     """Return a log whose names and path have hostile words, as a reader of imuwb passes them on."""
     names = [name_of(text) for text in HOSTILE]

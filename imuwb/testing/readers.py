@@ -8,7 +8,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from imuwb.analysis import offers
 from imuwb.errors import ImuwbError
 from imuwb.log import Log, Provenance
 from imuwb.readers.assembly.assemble import assemble
@@ -19,6 +18,7 @@ from imuwb.readers.unread import unread_text
 from imuwb.testing.heads import heads, texts
 from imuwb.testing.options_rules import help_outcome
 from imuwb.testing.outcomes import Attempt, Outcome, attempt, error_text, outcome, skipped
+from imuwb.testing.parts import parts_outcome
 
 PARTS = ("format", "probe", "stream")
 #: kind of a stream -> columns of three, of four, and of one
@@ -50,13 +50,9 @@ def reader_outcomes(plugin: object, name: str, files: Sequence[Path]) -> Iterato
         name: its name.
         files: logs of its format; empty: only what needs no log is tested.
     """
-    lacking = [part for part in PARTS if not offers(plugin, part)]
-    yield outcome(
-        "parts",
-        [f"the reader lacks {part}; imuwb.readers.batch has its contract" for part in lacking],
-        "it has format, probe and stream",
-    )
-    if lacking:
+    parts = parts_outcome(plugin, "reader", PARTS, "imuwb.readers.batch")
+    yield parts
+    if parts.state == "failed":
         return
     yield help_outcome(plugin)
     yield outcome("probe of other formats", _claims(plugin, name), "it claims no file of another format")
