@@ -35,7 +35,7 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
         table = RichTable(title=_cell(item.title), title_justify="left", title_style="bold", caption=_cell(item.caption) or None,
                           caption_justify="left")  # fmt: skip
         for heading in item.headings:
-            table.add_column(_cell(heading))
+            table.add_column(_cell(heading), overflow="fold")
         for row in item.rows:
             # A value and its unit stay on one line.
             table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", _cell(cell)) for cell in row))

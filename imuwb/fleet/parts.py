@@ -62,9 +62,11 @@ class Part:
         """Return the part that a file has.
 
         Raises:
-            ValueError: the file is damaged.
+            ValueError: the file is damaged, or no part.
         """
         (row,) = table_in(content).to_pylist()
+        if row.keys() != set(SCHEMA.names) or not row["logs"]:
+            raise ValueError("the file is no part of results")
         return cls(row["logs"][0], tuple(row["sensors"]), tuple(row["outages"]), tuple(row["quarantine"]))
 
 

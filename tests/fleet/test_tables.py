@@ -149,3 +149,13 @@ def test_a_damaged_part_is_named(results):
     store.write(entries[0].part, b"PAR1")
     with pytest.raises(ImuwbError, match=r"parts/run/.*\.parquet"):
         tables_of(entries, store)
+
+
+@pytest.mark.parametrize(
+    "columns", [{"value": [1.0]}, {"logs": [[]], "sensors": [[]], "outages": [[]], "quarantine": [[]]}]
+)
+def test_a_table_that_is_no_part_is_refused(columns):
+    sink = io.BytesIO()
+    pq.write_table(pa.table(columns), sink)
+    with pytest.raises(ValueError, match="no part"):
+        Part.unpacked(sink.getvalue())
