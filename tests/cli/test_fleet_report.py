@@ -102,8 +102,21 @@ def test_a_fleet_without_any_has_no_finding_and_keeps_its_limits(imuwb, tmp_path
     assert done.code == 0, done.err
     assert json.loads(done.out)["result"]["findings"] == []
     assert "chance alone finds one in 1 % of" in done.err
-    assert "12 sensors" in done.err  # it has 6
+    assert "With so few sensors only a far one is found: gyro" in done.err
     assert (folder / "report.rrd").is_file()
+
+
+def test_a_sensor_far_outside_is_found_among_six_and_four_are_too_few(imuwb, tmp_path):
+    rows = rows_of(**FEW)
+    for row in rows["sensors"]:
+        if (row["serial"], row["coefficient"]) == ("SN003", "N"):
+            row.update({name: 2.5 * row[name] for name in ("value", "lower", "upper")})
+    done = imuwb("fleet", "report", write(tmp_path / "six", rows), "--json", "-")
+    found = json.loads(done.out)["result"]["findings"]
+    assert {(one["sensor"], one["finding"], one["coefficient"]) for one in found} == {("SN003", "out of family", "N")}
+    done = imuwb("fleet", "report", write(tmp_path / "four", rows_of(**{**FEW, "sensors": 4})), "--json", "-")
+    assert "cannot be said: that needs 5 sensors" in " ".join(done.err.split())
+    assert {tuple(one["limits"]) for one in json.loads(done.out)["result"]["families"]} == {(None, None)}
 
 
 def test_what_is_not_counted_is_said():
@@ -117,13 +130,14 @@ def test_what_is_not_counted_is_said():
             row["lower"] = 0.0
     found = report_of(rows)
     group = next(group for group in found.groups if group.name == "gyro x N")
-    assert sorted(group.left_out.values()) == [1, 1, 1]
-    said = answer(found).sentences[-1]
-    assert "values, the log gives a limit only" in said
-    assert "Without the limits, the mean of a family is rather too large." in said
+    assert sorted(group.left_out.values()) == [1, 1]
+    assert (group.limited.upper.size, group.limited.share[0] > 0.9, group.limited.probability[0]) == (1, True, 0.975)
+    said = answer(found).sentences
+    assert "values are limits, and count as limits in the family" in said[-2]
+    assert said[-1].startswith("Not counted: ")
     assert [one.kind for one in found.worthless] == ["suspicious"]
     kept = sensor_groups(tables_of(rows)["sensors"], doubtful=True)
-    assert sum(next(g for g in kept if g.name == "gyro x N").left_out.values()) == 2
+    assert sum(next(g for g in kept if g.name == "gyro x N").left_out.values()) == 1
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ freedom; interval and value are those that an estimator states. Three axes have 
 freedom, and a bias instability B, whose logs have few: six families. Fleets are judged at 1 %, over all families, sensors and kinds
 of findings together.
 
-Command: ``nice python tests/studies/fleet_judgement.py`` (1,000 fleets of each of the first two kinds, 200 of each of 7 others: about 8 minutes).
+Command: ``nice python tests/studies/fleet_judgement.py`` (1,000 fleets of each of the first two kinds and of the small ones, 200 of each of the others: about 10 minutes).
 Seeds: fleet r of case k uses ``default_rng([k, r])``.
 """
 
@@ -54,8 +54,14 @@ CASES = {
     "120 sensors, none differ": Fleet(between=0.0, within=0.0),
     "120 sensors, 0.5 % per °C": Fleet(temperature=0.005),
     "120 sensors, spread with heavy tails": Fleet(heavy=True),
+    "5 sensors of 3 logs": Fleet(5, (3, 3)),
+    "8 sensors of 1 log": Fleet(8, (1, 1)),
+    "11 sensors of 3 logs": Fleet(11, (3, 3)),
+    "16 sensors of 3 logs, B of 100 degrees of freedom": Fleet(16, (3, 3), freedom=(5000.0, 100.0)),
+    "24 sensors of 3 logs": Fleet(24, (3, 3)),
 }
 MAIN, UNEVEN = list(CASES)[:2]
+SMALL = 30  #: sensors, up to which a fleet costs so little that as many of them are judged as of the first two kinds
 
 
 def families(fleet, rng, planted=None):
@@ -138,6 +144,24 @@ def finds(name, first, last):
     return counts
 
 
+SIZES, FACTORS = (5, 6, 8, 10, 12, 16, 24), (1.3, 1.5, 2.0, 3.0)
+
+
+def finds_in_small(count, factor, first, last):
+    """Return the numbers of fleets, of those where the one sensor with another N on one axis is found, and of those with any other finding."""
+    counts, name = np.zeros(3, dtype=int), "gyro_x N"
+    for seed in range(first, last):
+        rng = np.random.default_rng([200, count, round(10 * factor), seed])
+
+        def added(of, sensor, months):
+            return np.log(factor) * (sensor == 2) * (of == name)
+
+        judged = judge(families(Fleet(count, (3, 3)), rng, added), ERROR, LEVEL).families
+        found = {(of, sensor) for of, one in judged.items() for sensor in one.found}
+        counts += (1, (name, 2) in found, bool(found - {(name, 2)}))
+    return counts
+
+
 QUANTITIES = ("mean", "between sensors", "from log to log", "a further sensor", "a further log")
 
 
@@ -170,8 +194,9 @@ def _jobs(name, records):
 def study(records=1000, workers=1):
     """Return the tables."""
     rows = []
-    for case in CASES:
-        fleets = records if case in (MAIN, UNEVEN) else max(records // 5, 20)
+    for case, fleet in CASES.items():
+        many = case in (MAIN, UNEVEN) or fleet.sensors <= SMALL
+        fleets = records if many else max(records // 5, 20)
         count, any_of, *apart = sum(over_records(false_findings, _jobs(case, fleets), workers))
         share = Share(int(any_of), int(count))
         rows.append((
@@ -206,6 +231,22 @@ def study(records=1000, workers=1):
         "The three sensors have N changed by +42, -30 and +57 %; the spread between sensors is 5 %, a log estimates N to 1 %.",
     )  # fmt: skip
     rows = []
+    for size in SIZES:
+        each = []
+        for factor in FACTORS:
+            jobs = [(size, factor, a, b) for _, a, b in _jobs("", min(POWER, records))]
+            each.append(sum(over_records(finds_in_small, jobs, workers)))
+        count, _, others = sum(each)
+        rows.append(
+            (size, *(Share(int(n), int(of)).text(0) for of, n, _ in each), Share(int(others), int(count)).text(1))
+        )
+    small = Table(
+        "One sensor outside a small family",
+        ("sensors of 3 logs", *(f"its N is {factor:g} times the others'" for factor in FACTORS), "any other finding"),
+        tuple(rows),
+        "Fleets in which it is found, on the one axis on which it differs; the spread between sensors is 5 %.",
+    )
+    rows = []
     for case in list(CASES)[:5]:
         of, inside = sum(over_records(covered, _jobs(case, max(min(COVERAGE, records) // 4, 5)), workers))
         for place, letter in enumerate("NB"):
@@ -213,11 +254,11 @@ def study(records=1000, workers=1):
                 (case, letter, *(Share(int(a), int(b)).text(1) for a, b in zip(inside[place], of[place], strict=True)))
             )
     coverage = Table("95 % intervals that contain the truth", ("fleet", "coefficient", *QUANTITIES), tuple(rows))
-    return false, power, coverage
+    return false, power, small, coverage
 
 
 if __name__ == "__main__":
     main(
         __file__, QUESTION, study, 1000,
-        lambda n: f"seeds 0..{n - 1} of the first two fleets, a fifth as many of the other {len(CASES) - 2}, six families each",
+        lambda n: f"seeds 0..{n - 1} of the first two fleets and of those of {SMALL} sensors or fewer, a fifth as many of the others, six families each",
     )  # fmt: skip

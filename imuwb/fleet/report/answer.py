@@ -10,13 +10,14 @@ from imuwb.fleet.report.groups import LIMIT_ONLY
 from imuwb.fleet.report.outages import DRIFT, RATIO
 from imuwb.fleet.report.result import KINDS, OUTSIDE, Finding, FleetReport, in_si
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict, outcomes
-from imuwb.fleet.report.words import cell, named, rows_of, size_text, spread_text, what, when_text
+from imuwb.fleet.report.words import beyond, cell, named, rows_of, size_text, spread_text, what, when_text
+from imuwb.identification.family.members import FEWEST
 from imuwb.names import distinct
 from imuwb.statistics import Coefficient, Estimate
 
 MOST = 6  #: findings in the answer
 NAME = 14  #: columns of the name of a sensor
-SEEN = 12  #: sensors; in a smaller family one sensor widens the spread so much that none is found outside, however far it is
+FEW = 12  #: sensors; in a smaller family only a sensor far outside is found, and the answer says how far
 
 
 def answer(report: FleetReport, verdicts: Sequence[SheetVerdict] = ()) -> Answer:
@@ -56,31 +57,47 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     warm = [what(g) for g, j in zip(report.groups, report.judged, strict=True) if j.slope is not None and j.slope.used]
     if warm:
         yield f"Temperature changes {', '.join(warm[:4])}{' and more' if len(warm) > 4 else ''}: values are compared at one temperature."  # noqa: PLR2004
-    silent = [group.coefficient for group in report.silent if group.left_out.get(LIMIT_ONLY)]
+    silent = [one.coefficient for one in report.silent if one.limited.upper.size or one.left_out.get(LIMIT_ONLY)]
     if silent:
         names = ", ".join(f"{name} of {count} axes" if count > 1 else name for name, count in Counter(silent).items())
         yield f"Not judged, because most logs give a limit only: {names}."
+    if limits := sum(one.limits for one in report.judged):
+        values = sum(int(one.kept.sum()) for one in report.judged)
+        yield f"{limits} of {values + limits} values are limits, and count as limits in the family."
     left = Counter[str]()
     for group in report.groups:
         left.update(group.left_out)
     if left:
-        listed = "; ".join(f"{count} values, {reason}" for reason, count in left.most_common())
-        high = ". Without the limits, the mean of a family is rather too large" if left[LIMIT_ONLY] else ""
-        yield f"Not counted: {listed}{high}."
+        yield f"Not counted: {'; '.join(f'{count} values, {reason}' for reason, count in left.most_common())}."
 
 
 def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
     out, changed, vehicles = found_sensors(report)
     sure = f"chance alone finds one in {100 * report.error:g} % of fleets"
-    if not report.findings and all(one.sensors.sensor.size < SEEN for one in report.judged):
-        return f"None changes ({sure}). Which is out of family cannot be said: that needs {SEEN} sensors of one family."
+    if not report.findings and all(one.sensors.sensor.size < FEWEST for one in report.judged):
+        return (
+            f"None changes ({sure}). Which is out of family cannot be said: that needs {FEWEST} sensors of one family."
+        )
     if not report.findings:
-        return f"No sensor is out of family, and none changes ({sure})."
+        return f"No sensor is out of family, and none changes ({sure}).{_how_far(report)}"
     more = len(rows_of(report)) - MOST
     rest = f" {more} more rows: --full." if more > 0 else ""
     driving = f"; vehicles with a finding in outages: {len(vehicles)}" if vehicles else ""
     return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)}{driving} ({sure}).{rest}"
+
+
+def _how_far(report: FleetReport) -> str:
+    """Return how far outside a sensor of small families must be to be found."""
+    small = [
+        (group, one)
+        for group, one in zip(report.groups, report.judged, strict=True)
+        if one.sensors.sensor.size >= FEWEST
+    ]
+    if not small or max(one.sensors.sensor.size for _, one in small) >= FEW:
+        return ""
+    group, judged = min(small, key=lambda pair: pair[1].sensor_limits[1] - pair[1].sensor_limits[0])
+    return f" With so few sensors only a far one is found: {what(group)} {beyond(group, judged)}."
 
 
 def found_sensors(report: FleetReport) -> tuple[frozenset[str], frozenset[str], frozenset[str]]:

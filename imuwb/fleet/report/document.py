@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from imuwb.fleet.report.groups import Group
-from imuwb.fleet.report.result import Finding, FleetReport, in_si
+from imuwb.fleet.report.result import Finding, FleetReport, end_in_si, in_si
 from imuwb.fleet.report.sheet import SheetVerdict
 from imuwb.identification.family import Judged
-from imuwb.statistics import Estimate
 
 
 def content_of(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> dict[str, object]:
@@ -40,9 +40,11 @@ def _key(group: Group) -> dict[str, object]:
 
 
 def _family(group: Group, judged: Judged) -> dict[str, object]:
-    limits = [in_si(group, Estimate(end, end, end)).value for end in judged.sensor_limits]
+    told = math.isfinite(judged.sensor_limits[1])
+    limits = [end_in_si(group, end) if told else None for end in judged.sensor_limits]
     return {
         **_key(group), "unit": group.unit, "sensors": int(judged.sensors.sensor.size), "values": int(judged.kept.sum()),
+        "limits_of_logs": judged.limits,
         "mean": in_si(group, judged.mean), "range_of_sensors": in_si(group, judged.sensor_range), "limits": limits,
         "relative": group.observations.logarithmic, "between_sensors": judged.between, "from_log_to_log": judged.within,
         "per_degree": None if judged.slope is None else judged.slope, "heavy_tails": judged.tails, "not_counted": dict(group.left_out),

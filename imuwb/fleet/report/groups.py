@@ -11,7 +11,7 @@ import pyarrow.compute as pc
 
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.fleet.schemas import SUSPICIOUS
-from imuwb.identification.family import Observations, observations
+from imuwb.identification.family import Limits, Observations, observations
 from imuwb.identification.family.observations import usable
 from imuwb.texts import name_of
 from imuwb.units import Unit, coefficient_units, unit
@@ -19,6 +19,9 @@ from imuwb.units import Unit, coefficient_units, unit
 compute: Any = pc
 LEVEL = 0.95  #: of intervals of which nothing is stated
 LETTERS = "QNBKR"  #: coefficients whose squares are estimated
+LIMITED = "QNBK"  #: those of which a limit counts: that of a ramp has another likelihood
+FEWEST = 2  #: values of a family that is judged
+LEAST = 0.25  #: share of values among values and limits, of a family that is judged
 SECOND = 1e9  #: ns
 UNKNOWN_SENSOR, DOUBTFUL = "the sensor is not known", "a remark puts the value in doubt"
 LIMIT_ONLY, NO_INTERVAL, OTHER_LEVEL = (
@@ -43,6 +46,7 @@ class Group:
     value: Floats  #: (n,) SI
     lower: Floats
     upper: Floats
+    limited: Limits  #: of the logs that give a limit only, on the scale of the observations
     limits: Mapping[str, float]  #: sensor -> largest limit, of sensors without any value; SI
     left_out: Mapping[str, int]  #: reason -> rows
 
@@ -50,6 +54,12 @@ class Group:
     def name(self) -> str:
         """Return what is compared, in words: "gyro x N"."""
         return f"{self.axis.replace('_', ' ')} {self.coefficient}".strip()
+
+    @property
+    def is_judged(self) -> bool:
+        """Return whether there are enough values for a family."""
+        values = self.observations.y.size
+        return values >= max(FEWEST, LEAST * (values + self.limited.upper.size))
 
     @property
     def display(self) -> Unit:
@@ -112,14 +122,24 @@ def _group(table: pa.Table, key: tuple[str, ...], who: Integers, names: list[str
     doubt = np.asarray(compute.equal(table["verdict"], SUSPICIOUS).fill_null(False)) & (not doubtful)
     limit = ~np.isfinite(value) | (logarithmic & ~(lower > 0) & np.isfinite(upper))
     sound = usable(value, lower, upper, logarithmic=logarithmic)
+    counted = limit & (coefficient in LIMITED) & np.isfinite(upper) & (upper > 0) & ~(value >= upper)
     reasons = {
-        UNKNOWN_SENSOR: who < 0, DOUBTFUL: doubt, LIMIT_ONLY: limit, NO_INTERVAL: ~sound, OTHER_LEVEL: level != common,
+        UNKNOWN_SENSOR: who < 0, DOUBTFUL: doubt, OTHER_LEVEL: (level != common) & (counted | sound), LIMIT_ONLY: limit & ~counted,
+        NO_INTERVAL: ~sound & ~counted,
     }  # fmt: skip
     left_out, kept = _left_out(reasons)
+    counted, kept = kept & counted, kept & sound & ~limit
     used, number = np.unique(who[kept], return_inverse=True)
     rows = observations(
         number.astype(np.int64), value[kept], lower[kept], upper[kept], level=common, time=time[kept],
         temperature=temperature[kept], squares=coefficient in LETTERS, logarithmic=logarithmic,
+    )  # fmt: skip
+    further = np.setdiff1d(who[counted], used)
+    place = {int(one): i for i, one in enumerate((*used, *further))}
+    stated = np.isfinite(value[counted])
+    limited = Limits(
+        np.array([place[int(one)] for one in who[counted]], dtype=np.int64), np.log(upper[counted]),
+        np.where(stated, value[counted] / upper[counted], 0.0) ** 2, np.where(stated, (1 + common) / 2, common), temperature[counted],
     )  # fmt: skip
     mine = {names[i] for i in used}
     limits: dict[str, float] = {}
@@ -128,8 +148,8 @@ def _group(table: pa.Table, key: tuple[str, ...], who: Integers, names: list[str
             limits[name] = max(limits.get(name, 0.0), float(upper[i]))
     logs = tuple(table["log"].take(pa.array(np.flatnonzero(kept))).to_pylist())
     return Group(
-        kind, source, axis, coefficient, si, tuple(names[i] for i in used), logs, rows, value[kept], lower[kept], upper[kept], limits,
-        left_out,
+        kind, source, axis, coefficient, si, tuple(names[i] for i in used), logs, rows, value[kept], lower[kept], upper[kept], limited,
+        limits, left_out,
     )  # fmt: skip
 
 

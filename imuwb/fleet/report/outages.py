@@ -16,7 +16,7 @@ from imuwb.fleet.report.groups import (
     parts,
     seconds,
 )
-from imuwb.identification.family import observations
+from imuwb.identification.family import Limits, observations
 from imuwb.replay.scoring.overlap import effective_count
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 
@@ -106,6 +106,6 @@ def _made(
     )  # fmt: skip
     left_out = {UNKNOWN_SENSOR: logs.unknown} if logs.unknown else {}
     return Group(
-        kind, source, "", what, si, tuple(names[i] for i in used), tuple(keys[i] for i in logs.log[rows]), own, value, lower, upper, {},
-        left_out,
+        kind, source, "", what, si, tuple(names[i] for i in used), tuple(keys[i] for i in logs.log[rows]), own, value, lower, upper, Limits.none(),
+        {}, left_out,
     )  # fmt: skip

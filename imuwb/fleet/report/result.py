@@ -26,8 +26,8 @@ from imuwb.statistics.distributions import student_limit
 compute: Any = pc
 OUTSIDE = "out of family"
 KINDS = {"trend": "drifts", "step": "steps", "log": "one log differs"}  #: of changes, in words
+MOST_EXPONENT = 700.0  #: of e, in a number of 64 bits
 MANY = 1e6  #: degrees of freedom of a normal variable
-FEWEST = 2  #: rows of a group that is judged
 ORDER = "NBKQR"  #: of coefficients
 
 
@@ -129,10 +129,13 @@ def fleet_report(
     """
     every = (*sensor_groups(tables["sensors"], doubtful=doubtful), *outage_groups(tables["outages"]))
     every = sorted(every, key=_place)
-    groups = tuple(group for group in every if _is_judged(group))
+    groups = tuple(group for group in every if group.is_judged)
     if not groups:
         raise MissingDataError(_nothing(every, state, tables))
-    judgement = judge({str(i): group.observations for i, group in enumerate(groups)}, error, level)
+    judgement = judge(
+        {str(i): group.observations for i, group in enumerate(groups)}, error, level,
+        {str(i): group.limited for i, group in enumerate(groups)},
+    )  # fmt: skip
     judged = tuple(judgement.families[str(i)] for i in range(len(groups)))
     logs = _logs(tables["logs"])
     findings = sorted(_findings(groups, judgement), key=lambda one: -abs(one.score))
@@ -141,7 +144,7 @@ def fleet_report(
     }
     worthless = (*_quarantine(tables["quarantine"]), *(() if doubtful else _doubtful(tables["sensors"], logs)))
     return FleetReport(
-        state.analysis, state.command, options, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if not _is_judged(group)), tuple(findings),
+        state.analysis, state.command, options, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if not group.is_judged), tuple(findings),
         worthless,
     )  # fmt: skip
 
@@ -153,14 +156,10 @@ def _place(group: Group) -> tuple[object, ...]:
     return group.type, group.source, letter, axis, group.coefficient
 
 
-def _is_judged(group: Group) -> bool:
-    """Return whether a group has a family: of a coefficient that most logs do not show, those that do are a selection."""
-    return group.observations.y.size >= max(FEWEST, group.left_out.get(LIMIT_ONLY, 0))
-
-
 def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.Table]) -> str:
     """Return why there is nothing to judge."""
     counts: Counter[str] = sum((Counter(group.left_out) for group in groups), Counter())
+    counts += Counter({LIMIT_ONLY: sum(group.limited.upper.size for group in groups)})
     if not counts:
         rows = sum(group.observations.y.size for group in groups)
         if rows:
@@ -234,9 +233,15 @@ def member_mean(judged: Judged, place: int, level: float) -> Estimate:
 
 def in_si(group: Group, estimate: Estimate) -> Coefficient:
     """Return an estimate on the scale of a group in SI."""
-    ends = (estimate.value, estimate.lower, estimate.upper)
-    value, lower, upper = (math.exp(x) for x in ends) if group.observations.logarithmic else ends
+    value, lower, upper = (end_in_si(group, end) for end in (estimate.value, estimate.lower, estimate.upper))
     return Coefficient(value, lower, upper, group.unit)
+
+
+def end_in_si(group: Group, end: float) -> float:
+    """Return a number on the scale of a group in SI; infinity where that is no number any more: far limits of a few sensors."""
+    if not group.observations.logarithmic:
+        return end
+    return math.exp(end) if end < MOST_EXPONENT else math.inf
 
 
 def quarantined_share(state: RunState) -> float:

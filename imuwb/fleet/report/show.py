@@ -16,6 +16,7 @@ from imuwb.fleet.report.result import OUTSIDE, FleetReport, in_si, member_mean
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict
 from imuwb.fleet.report.words import (
     Row,
+    beyond,
     cell,
     date_text,
     named,
@@ -217,22 +218,27 @@ def family_table(report: FleetReport) -> Table:
     """Return mean and spread of each family."""
     rows = tuple(
         (
-            group.type, what(group), str(judged.sensors.sensor.size), str(int(judged.kept.sum())), cell(group, judged.mean),
-            spread_text(group, judged.between), spread_text(group, judged.within), _range(group, judged), slope_text(group, judged),
+            group.type, what(group), str(judged.sensors.sensor.size), _logs_text(judged), cell(group, judged.mean),
+            spread_text(group, judged.between), spread_text(group, judged.within), _range(group, judged), beyond(group, judged), slope_text(group, judged),
             "; ".join(f"{count} {reason}" for reason, count in group.left_out.items()) or "none",
         )
         for group, judged in zip(report.groups, report.judged, strict=True)
     )  # fmt: skip
     caption = (
         "Standard deviations by random effects (restricted likelihood), without the sensors out of family; from log to log beyond what the "
-        "intervals of the logs state. < is a limit: the intervals of the logs explain the scatter. Where logs give a limit only, the family is that "
-        "of the other logs: its mean is rather too large."
+        "intervals of the logs state. < is a limit: the intervals of the logs explain the scatter. Where logs give a limit only, it counts as a "
+        "limit: the coefficient of these logs is somewhere below."
     )
     headings = (
         "type", "of", "sensors", "logs", "mean [interval]", "between sensors", "from log to log",
-        f"{100 * report.level:g} % of sensors", "temperature", "not counted",
+        f"{100 * report.level:g} % of sensors", "out of family", "temperature", "not counted",
     )  # fmt: skip
     return Table("Families", headings, rows, caption, wide=True)
+
+
+def _logs_text(judged: Judged) -> str:
+    values = str(int(judged.kept.sum()))
+    return f"{values} and {judged.limits} limits" if judged.limits else values
 
 
 def _range(group: Group, judged: Judged) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from imuwb.fleet.report.groups import Group
-from imuwb.fleet.report.result import OUTSIDE, Finding, FleetReport, in_si
+from imuwb.fleet.report.result import OUTSIDE, Finding, FleetReport, end_in_si, in_si
 from imuwb.identification.family import Judged
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.texts import coefficient_cell, duration_text, estimate_text
@@ -94,8 +94,20 @@ def date_text(time: int | None) -> str:
 def cell(group: Group, estimate: Estimate) -> str:
     """Return an estimate on the scale of a group in the unit that people read, with the unit."""
     if group.observations.logarithmic:
-        return f"{coefficient_cell(in_si(group, estimate), group.display)} {group.display.name}".rstrip(" 1")
+        return _with_unit(coefficient_cell(in_si(group, estimate), group.display), group)
     return estimate_text(estimate, group.display.name, group.display.factor)
+
+
+def beyond(group: Group, judged: Judged) -> str:
+    """Return beyond which values a sensor is out of family."""
+    low, high = (end_in_si(group, end) / group.display.factor for end in judged.sensor_limits)
+    if not math.isfinite(high):
+        return "—"
+    return _with_unit(f"below {low:.3g} or above {high:.3g}", group)
+
+
+def _with_unit(text: str, group: Group) -> str:
+    return text if group.display.name == "1" else f"{text} {group.display.name}"
 
 
 def spread_text(group: Group, spread: Coefficient) -> str:

@@ -2,12 +2,13 @@
 
 from imuwb.identification.family.changes import Change
 from imuwb.identification.family.judgement import Judged, Judgement, judge
+from imuwb.identification.family.limits import Limits
 from imuwb.identification.family.members import Members, Outside
 from imuwb.identification.family.observations import Observations, observations
 from imuwb.identification.family.random_effects import RandomEffects, random_effects
 from imuwb.identification.family.tails import tails_together
 
 __all__ = [
-    "Change", "Judged", "Judgement", "Members", "Observations", "Outside", "RandomEffects", "judge", "observations", "random_effects",
+    "Change", "Judged", "Judgement", "Limits", "Members", "Observations", "Outside", "RandomEffects", "judge", "observations", "random_effects",
     "tails_together",
 ]  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.family.maximum import COARSE, largest_tail
 from imuwb.identification.family.observations import Observations
-from imuwb.identification.family.scores import Errors, far, freedom, in_tails, score
+from imuwb.identification.family.scores import Errors, freedom, score
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_tails, student_limit
 
@@ -97,9 +97,8 @@ def _largest(logs: _Logs, sensors: Integers, error: float, level: float) -> list
         np.concatenate([getattr(part, name) for part in parts.values()], axis=1)
         for name in ("size", "variance", "shared", "there")
     ))  # fmt: skip
-    scores = np.where(whole.there, score(whole.size, whole.variance, whole.shared**2 * error), 0.0)
-    tail = far(scores)
-    scores[tail] = in_tails(scores[tail], whole.variance[tail], _errors(logs, kinds, *np.nonzero(tail)))
+    size = np.where(whole.there, whole.size, 0.0)
+    scores = score(size, whole.variance, whole.shared**2 * error, lambda far: _errors(logs, kinds, *np.nonzero(far)))
     freedoms = freedom(whole.variance, whole.shared**2 * error)
     found: list[Change] = []
     trend, others = parts["step"].size.shape[1], parts["log"].size.shape[1]

@@ -9,10 +9,11 @@ import numpy as np
 
 from imuwb.arrays import Booleans
 from imuwb.identification.family.changes import Change, changes
-from imuwb.identification.family.members import Members, Outside, members, outside
+from imuwb.identification.family.limits import Limits, joined, with_limits
+from imuwb.identification.family.members import FEWEST, Members, Outside, members, outside, trials
 from imuwb.identification.family.observations import Observations
 from imuwb.identification.family.random_effects import random_effects
-from imuwb.identification.family.spread import between_spread, within_spread
+from imuwb.identification.family.spread import between_spread, spread_of, within_spread
 from imuwb.identification.family.tails import heavy_tails
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import normal_tails, student_limit, student_score
@@ -39,17 +40,19 @@ class Judged:
     rows: Observations  #: at one temperature if the dependence on temperature is sure
     kept: Booleans  #: (n,) rows that count; not those of single logs that differ
     slope: Slope | None  #: None: too few logs with a temperature, or of too equal ones
-    sensors: Members
+    sensors: Members  #: that have a value
     mean: Estimate
     between: Coefficient  #: standard deviation between sensors; without several logs of a sensor, of both
     within: Coefficient  #: from log to log of one sensor, beyond the sampling errors
     #: mean, and the interval that contains the mean of a further sensor with the level; where the spread has a limit only, with it
     sensor_range: Estimate
     log_range: Estimate  #: the same for a further log
-    sensor_limits: tuple[float, float]  #: beyond which a sensor is outside the family at the error of the fleet
-    outside: tuple[Outside, ...]
+    #: beyond which a sensor is outside the family at the error of the fleet; infinite: too few sensors
+    sensor_limits: tuple[float, float]
+    outside: tuple[Outside, ...]  #: of a family of ``FEWEST`` sensors or more
     changes: tuple[Change, ...]  #: each with its probability over the whole fleet
     tails: float | None  #: probability that chance makes the tails of normal sensors so heavy; None: it cannot be told
+    limits: int  #: logs of which a limit counts
 
     @property
     def found(self) -> frozenset[int]:
@@ -71,13 +74,19 @@ class _State:
     """One family during the search."""
 
     rows: Observations
+    limits: Limits  #: of further logs
     kept: Booleans  #: rows without the single logs that were found
     steady: Booleans  #: rows of sensors that change neither by a trend nor by a step
     found: list[Change]
     waiting: list[Change]  #: of sensors without a finding
 
 
-def judge(families: Mapping[str, Observations], error: float = 0.01, level: float = 0.95) -> Judgement:
+def judge(
+    families: Mapping[str, Observations],
+    error: float = 0.01,
+    level: float = 0.95,
+    limits: Mapping[str, Limits] | None = None,
+) -> Judgement:
     """Return the judgement of a fleet.
 
     The error is shared by three kinds of findings, and by the families: sensors outside by a maximum statistic in each family, changes
@@ -89,14 +98,19 @@ def judge(families: Mapping[str, Observations], error: float = 0.01, level: floa
         error: probability that a fleet without any such sensor has any finding, if its sensors differ as normal variables do. What is
             measured is in tests/studies/fleet_judgement.md.
         level: of the intervals.
+        limits: name -> logs that give a limit only. They count in mean and spread of the family and in the means of the sensors, not in
+            changes.
     """
     slopes = _slopes(families, error / KINDS, level)
     states: dict[str, _State] = {}
-    for name, rows in families.items():
+    for name, stated in families.items():
         slope = slopes.get(name)
-        reduced = rows.at(slope.per_degree.value, slope.reference) if slope is not None and slope.used else rows
+        rows, beside = stated, (limits or {}).get(name, Limits.none())
+        if slope is not None and slope.used:
+            where = slope.per_degree.value, slope.reference
+            rows, beside = rows.at(*where), beside.at(*where)
         every = np.ones(rows.y.size, dtype=bool)
-        states[name] = _State(reduced, every, every.copy(), [], [])
+        states[name] = _State(rows, beside, every, every.copy(), [], [])
     _search(list(states.values()), error / KINDS, level)
     share = error / KINDS / max(len(families), 1)
     return Judgement(error, level, {name: _judged(s, slopes.get(name), share, level) for name, s in states.items()})
@@ -166,19 +180,26 @@ def _take(state: _State, change: Change) -> None:
 
 def _judged(state: _State, slope: Slope | None, error: float, level: float) -> Judged:
     steady = state.rows.of(state.kept & state.steady)
-    fit = random_effects(steady)
-    sensors = members(state.rows.of(state.kept), fit.within)
-    out, family = outside(sensors, error)
-    inside = sensors.of(~np.isin(sensors.sensor, [one.sensor for one in out]))
+    fit, stand = with_limits(steady, state.limits, random_effects(steady))
+    every = members(joined(state.rows.of(state.kept), stand), fit.within)
+    known = every.sensor < state.rows.sensors
+    out, family = outside(every, error, known)
+    sensors, inside = every.of(known), every.of(~np.isin(every.sensor, [one.sensor for one in out]))
     mean, sigma = float(family.coefficients[0]), float(family.covariance[0, 0]) ** 0.5
     count = inside.mean.size
     t = student_limit(level, max(count - 1, 1))
     typical = float(np.median(inside.variance))
     own, sampling = family.between + sigma**2, float(np.median(steady.variance))
-    far = student_limit(1 - error / max(count, 1), max(count - 1, 1)) * (own + typical) ** 0.5
-    between = between_spread(inside, family.between, family.errors[0], level)
-    within = within_spread(steady, fit.within, fit.errors[1], level)
-
+    share = error / trials(max(every.mean.size, 1))
+    far = student_limit(1 - share, count - 1) * (own + typical) ** 0.5 if every.mean.size >= FEWEST else np.inf
+    if stand.y.size:
+        between, within = (
+            spread_of(family.between, family.errors[0], level),
+            spread_of(fit.within, fit.errors[1], level),
+        )
+    else:
+        between = between_spread(inside, family.between, family.errors[0], level)
+        within = within_spread(steady, fit.within, fit.errors[1], level)
     spread = family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
 
     def ranged(variance: float) -> Estimate:
@@ -187,5 +208,5 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     return Judged(
         state.rows, state.kept, slope, sensors, Estimate(mean, mean - t * sigma, mean + t * sigma, sigma), between, within,
         ranged(spread + sigma**2), ranged(own + fit.within + sampling), (mean - far, mean + far), out, tuple(state.found),
-        heavy_tails(inside, family),
+        heavy_tails(every.of(known & np.isin(every.sensor, inside.sensor)), family), int(stand.y.size),
     )  # fmt: skip

@@ -9,12 +9,14 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.family.observations import Observations
 from imuwb.identification.family.random_effects import RandomEffects, random_effects
-from imuwb.identification.family.scores import Errors, far, in_tails, score
+from imuwb.identification.family.scores import Errors, score
 from imuwb.statistics.distributions import normal_tails
 
 FEWEST = 5  #: sensors, for a family
 SHARE, MOST = 0.1, 50  #: sensors that may be outside: a tenth, and never more than this
-NEAR = 2.5  #: score of the most distant sensor that is left, below which none is outside: a tenth of sensors far out would have 3
+ENOUGH = 25  #: sensors from which on the search for several outside finds no more false ones than that for one (Rosner)
+NEAR = 2.5  #: score of the most distant sensor, below which none is outside
+CLOSER = 0.7  #: the same in a small family: share of the largest score that is possible there
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,40 +62,69 @@ def members(rows: Observations, within: float) -> Members:
     return every.of(there)
 
 
-def outside(sensors: Members, error: float) -> tuple[tuple[Outside, ...], RandomEffects]:
+def outside(sensors: Members, error: float, known: Booleans | None = None) -> tuple[tuple[Outside, ...], RandomEffects]:
     """Return the sensors outside the family, and the family without them.
 
     Up to a tenth of the sensors are taken away one after the other, each time the most improbable one, whose distance is compared
     with the predictive interval of those that are left (deleted residual). All up to the last significant one are outside, so that
-    several do not hide each other (generalised extreme studentised deviate, Rosner, Technometrics 25, 1983). Without any sensor
-    outside, a false one is found with at most about the probability ``error``.
+    several do not hide each other (generalised extreme studentised deviate, Rosner, Technometrics 25, 1983). In a small family the
+    steps share the error. Without any sensor outside, a false one is found with at most about the probability ``error``.
+
+    Args:
+        sensors: of the family.
+        error: probability that a family without any sensor outside has one.
+        known: (k,) sensors that may be outside; None: all.
     """
     family = sensors.family()
     left = np.ones(sensors.mean.size, dtype=bool)
     found: list[tuple[Outside, RandomEffects]] = []
-    most = min(int(np.ceil(SHARE * left.size)), MOST) if left.size >= FEWEST else 0
     current = family
-    for _ in range(most):
+    for _ in range(_most(left.size)):
         places = np.flatnonzero(left)
-        distance = np.abs(_scores(sensors.of(left), current))
-        if distance.max() < NEAR:
+        distance = np.abs(_distances(sensors.of(left), current)) * (1.0 if known is None else known[left])
+        if distance.max() < _near(left.size, _most(left.size)):
             break
         worst = places[int(distance.argmax())]
         left[worst] = False
-        current = sensors.of(left).family(current)
-        value = float(_scores(sensors.of(np.arange(left.size) == worst), current, new=True)[0])
-        found.append(
-            (Outside(int(sensors.sensor[worst]), value, min(1.0, places.size * float(normal_tails(value)))), current)
-        )
+        others = sensors.of(left)
+        current = others.family(current)
+        value = _new(sensors.of(np.arange(left.size) == worst), others, current)
+        chance = min(1.0, trials(left.size) * float(normal_tails(value)))
+        found.append((Outside(int(sensors.sensor[worst]), value, chance), current))
     last = max((i + 1 for i, (one, _) in enumerate(found) if one.probability <= error), default=0)
     return tuple(one for one, _ in found[:last]), found[last - 1][1] if last else family
 
 
-def _scores(sensors: Members, family: RandomEffects, *, new: bool = False) -> Floats:
-    """Return the distances of sensors from the mean of a family; ``new``: of sensors that it was fitted without."""
-    variance = family.between + sensors.variance + (float(family.covariance[0, 0]) if new else 0.0)
-    error = np.full(variance.size, family.errors[0])
-    scores = score(sensors.mean - family.coefficients[0], variance, error)
-    tail = far(scores)
-    scores[tail] = in_tails(scores[tail], variance[tail], sensors.errors.of(tail))
-    return scores
+def trials(count: int) -> int:
+    """Return the number of tests that share the error of a family of ``count`` sensors."""
+    return count * (1 if count >= ENOUGH else max(_most(count), 1))
+
+
+def _most(count: int) -> int:
+    """Return how many of the sensors of a family may be outside."""
+    return min(int(np.ceil(SHARE * count)), MOST) if count >= FEWEST else 0
+
+
+def _near(count: int, most: int) -> float:
+    """Return the score of the most distant sensor, below which none is outside.
+
+    Sensors outside widen the spread by which they are measured: ``most`` of them, all equally far, have no larger score than
+    √((n - most) (n - 1) / (n most)), however far they are.
+    """
+    return min(NEAR, CLOSER * ((count - most) * (count - 1) / (count * most)) ** 0.5)
+
+
+def _distances(sensors: Members, family: RandomEffects) -> Floats:
+    """Return the distances of sensors from the mean of their family, as scores without the error of its spread."""
+    variance = family.between + sensors.variance
+    return score(sensors.mean - family.coefficients[0], variance, np.zeros_like(variance), sensors.errors.of)
+
+
+def _new(sensor: Members, others: Members, family: RandomEffects) -> float:
+    """Return the score of a sensor in the family of the others."""
+    mean = float(family.covariance[0, 0])
+    weight = mean / (family.between + others.variance)
+    # The variance of the mean rises with the variance between sensors too, by the sum of its squared weights.
+    error = (1 + float(weight @ weight)) ** 2 * family.errors[0]
+    size, variance = sensor.mean - family.coefficients[0], sensor.variance + family.between + mean
+    return float(score(size, variance, np.array([error]), sensor.errors.of)[0])

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats, Integers
-from imuwb.statistics.distributions import EXTREME, scipy, student_score
+from imuwb.statistics.distributions import scipy, student_score
 
 FEWEST, MOST = 1.0, 1e6  #: degrees of freedom
 FAR = 2.0  #: score above which the tail of the sum counts; no smaller one is a finding
@@ -35,20 +35,23 @@ class Errors:
         return Errors(self.weight[rows], self.half[rows], (np.cumsum(kept) - 1)[self.owner[rows]])
 
 
-def score(size: Floats, variance: Floats, error: Floats) -> Floats:
-    """Return the standard normal values that are as improbable as differences with normal errors.
+def score(size: Floats, variance: Floats, error: Floats, errors: Callable[[Booleans], Errors]) -> Floats:
+    """Return the standard normal values that are as improbable as differences.
+
+    First as if the variances were known, then as Student variables: a variance that is estimated from few sensors makes far values
+    more probable. In a family of six, 5 standard deviations are as improbable as 2.4 of a known variance.
 
     Args:
         size: (k,) differences; their expectation is 0.
         variance: (k,) their variances, as they are estimated.
         error: (k,) sampling variances of ``variance``; the degrees of freedom are Satterthwaite's.
+        errors: returns those of some of the differences; it is asked for the far ones alone.
     """
-    return student_score(size / np.sqrt(variance), freedom(variance, error))
-
-
-def far(scores: Floats) -> Booleans:
-    """Return which scores need the tail of their sum (``in_tails``)."""
-    return np.abs(scores) > FAR
+    scores = size / np.sqrt(variance)
+    tail = np.abs(scores) > FAR
+    if tail.any():
+        scores[tail] = in_tails(scores[tail], variance[tail], errors(tail))
+    return student_score(scores, freedom(variance, error))
 
 
 def in_tails(scores: Floats, variance: Floats, errors: Errors) -> Floats:
@@ -57,7 +60,7 @@ def in_tails(scores: Floats, variance: Floats, errors: Errors) -> Floats:
     The probabilities are right to 5 % from one degree of freedom on, down to 1e-9.
 
     Args:
-        scores: (k,) values of the sums over their standard deviations, ``far`` from 0.
+        scores: (k,) values of the sums over their standard deviations, not near 0.
         variance: (k,) of the sums; what the errors do not explain is normal.
         errors: of k sums.
     """
@@ -85,7 +88,7 @@ def in_tails(scores: Floats, variance: Floats, errors: Errors) -> Floats:
     along = weight * t[owner]
     log = total(scipy.special.gammaln(half + along) - start - along * psi) + rest * t**2 / 2
     root = np.sqrt(2 * np.maximum(t * value - log, CLOSE))
-    return turned * np.minimum(root + np.log(t * np.sqrt(second) / root) / root, EXTREME)
+    return turned * (root + np.log(t * np.sqrt(second) / root) / root)
 
 
 def _saddlepoint(

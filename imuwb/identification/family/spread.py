@@ -8,9 +8,10 @@ from imuwb.arrays import Floats
 from imuwb.identification.family.members import Members
 from imuwb.identification.family.observations import Observations
 from imuwb.statistics import Coefficient
-from imuwb.statistics.distributions import chi_square_quantile, normal_quantile
+from imuwb.statistics.distributions import chi_square_limits, chi_square_quantile, normal_quantile
 
 DOUBLINGS, HALVINGS = 60, 60
+FEWEST = 2.0  #: degrees of freedom of a variance that has an interval of both ends
 
 
 def between_spread(sensors: Members, value: float, error: float, level: float) -> Coefficient:
@@ -42,6 +43,18 @@ def within_spread(rows: Observations, value: float, error: float, level: float) 
         return float(weight @ (repeated.y - mean[repeated.sensor]) ** 2)
 
     return _spread(statistic, repeated.y.size - count, value, error, level, float(np.var(rows.y)))
+
+
+def spread_of(value: float, error: float, level: float) -> Coefficient:
+    """Return a standard deviation from an estimated variance and its sampling variance, as a multiple of a chi-square variable.
+
+    For rows that stand for limits: their scatter says nothing beyond the estimate.
+    """
+    degrees = 2 * value**2 / error if error > 0 else 0.0
+    if degrees < FEWEST:
+        return Coefficient(None, None, (value + normal_quantile(level) * error**0.5) ** 0.5)
+    lower, upper = (float(factor) for factor in chi_square_limits(level, degrees))
+    return Coefficient(value**0.5, (value * lower) ** 0.5, (value * upper) ** 0.5)
 
 
 def _spread(

@@ -165,7 +165,7 @@ def test_the_bound_of_the_maximum_is_close_and_never_too_small():
     for limit in (2.5, 3.5):
         inside = stats.multivariate_normal(cov=correlation).cdf(np.full(3, limit), lower_limit=np.full(3, -limit))
         bound = largest_tail(limit, 3, np.array([0.6, 0.5]))
-        assert 1 - inside - 1e-6 <= bound <= 1.03 * (1 - inside)
+        assert 1 - inside - 3e-5 <= bound <= 1.03 * (1 - inside)
 
 
 def test_degrees_of_freedom_come_back_from_an_interval():
@@ -195,6 +195,43 @@ def test_three_sensors_outside_do_not_hide_each_other():
     found, family = outside(members(rows, 0.005**2), 0.003)
     assert {one.sensor for one in found} == set(sizes)
     assert family.between**0.5 == pytest.approx(0.05, rel=0.3)
+
+
+@pytest.mark.parametrize("count", [5, 8, 12, 30])
+def test_a_sensor_is_as_improbable_as_the_deleted_residual_of_student(count):
+    """Without errors of the logs the family is a normal sample, and the probability is exact: Bonferroni's, of Student's variable."""
+    drawn = np.random.default_rng(count).standard_normal(count)
+    drawn[2] = 9.0
+    (found,), _ = outside(members(rows_of(np.arange(count), drawn, 1e-12), 0.0), 0.05)
+    others = np.delete(drawn, 2)
+    residual = (9.0 - others.mean()) / (others.std(ddof=1) * np.sqrt(1 + 1 / (count - 1)))
+    steps = {5: 1, 8: 1, 12: 2, 30: 1}[count]
+    assert found.sensor == 2
+    assert found.probability == pytest.approx(steps * count * 2 * stats.t.sf(residual, count - 2), rel=0.02)
+
+
+@pytest.mark.parametrize("count", [5, 6, 9, 10, 11, 20, 21, 40, 120])
+def test_a_tenth_of_the_sensors_far_outside_is_found_in_families_of_all_sizes(count):
+    most = -(-count // 10)
+    drawn = np.random.default_rng([count, 1]).standard_normal(count)
+    drawn[:most] += 200.0
+    found, family = outside(members(rows_of(np.arange(count), drawn, 0.01), 0.0), 0.001)
+    assert {one.sensor for one in found} == set(range(most))
+    assert family.between < 4
+
+
+def test_the_limits_of_sensors_are_where_a_further_one_is_found():
+    rng = np.random.default_rng(17)
+    for count in (6, 15, 40):
+        y = 0.05 * rng.standard_normal(count)
+        judged = judge({"N": rows_of(np.arange(count), y, 1e-10)}, error=0.03).families["N"]
+        low, high = judged.sensor_limits
+        for end, side in ((low, -1), (high, 1)):
+            for away, seen in ((1.15, True), (0.85, False)):
+                middle = judged.mean.value
+                more = np.append(y, middle + away * (end - middle))
+                found = judge({"N": rows_of(np.arange(count + 1), more, 1e-10)}, error=0.03).families["N"].outside
+                assert (count in {one.sensor for one in found}) is seen, (count, side, away)
 
 
 @pytest.mark.parametrize(
