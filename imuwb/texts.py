@@ -200,6 +200,14 @@ def duration_text(seconds: float) -> str:
     return f"{minutes} min" if not hours else f"{hours} h {rest} min" if rest else f"{hours} h"
 
 
+def bytes_text(count: int) -> str:
+    """Return a number of bytes as people say it: 812 bytes, 8.16 MB, 1.2 TB."""
+    for factor, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if count >= factor:
+            return f"{count / factor:.3g} {unit}"
+    return f"{count} bytes"
+
+
 def coefficients_text(coefficients: Mapping[str, Coefficient]) -> str:
     """Return noise coefficients on one line: N 0.0014 [0.0013, 0.0015], K < 0.002."""
     return ", ".join(f"{letter} {coefficient}" for letter, coefficient in coefficients.items())

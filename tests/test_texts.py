@@ -6,6 +6,7 @@ import pytest
 
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.texts import (
+    bytes_text,
     coefficient_text,
     decimals,
     estimate_text,
@@ -44,6 +45,14 @@ def test_numbers_from_100_have_no_decimals(value, text):
 )
 def test_times_from_two_hours_are_in_hours(seconds, text):
     assert seconds_text(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("count", "text"),
+    [(0, "0 bytes"), (812, "812 bytes"), (64_000, "64 kB"), (8_160_000, "8.16 MB"), (1.2e12, "1.2 TB")],
+)
+def test_bytes_are_in_the_unit_that_fits(count, text):
+    assert bytes_text(count) == text
 
 
 def test_a_quantity_has_its_unit_and_a_dash_without_a_value():

@@ -122,9 +122,30 @@ def test_a_log_that_hangs_is_ended_by_a_loop_and_by_a_pool(imuwb, loop, monkeypa
     monkeypatch.chdir(loop)
     for workers in (0, 1):
         done = imuwb("fleet", "mean.py", "hangs", "-o", f"hangs-{workers}", "--workers", workers, *SHORT)
-        assert (done.code, "more than 0.5 s" in done.err) == (0, True), done.err
+        assert (done.code, "more than 0.5 s" in done.err) == (1, True), done.err
     assert tables("hangs-0") == tables("hangs-1")
     assert [row["kind"] for row in rows("hangs-0", "quarantine")] == ["time"]
+
+
+SHORT_LOG = "time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s2],ay [m/s2],az [m/s2]\n" + "".join(
+    f"{t / 100},0,0,0.1,0,0,9.8\n" for t in range(4)
+)
+
+
+@pytest.mark.parametrize(
+    ("content", "code"), [("no log at all", 4), ("", 4), (SHORT_LOG, 3), (SHORT_LOG.replace(" [rad/s]", ""), 2)]
+)
+def test_a_fleet_without_any_result_is_an_error(imuwb, tmp_path, monkeypatch, content, code):
+    monkeypatch.chdir(tmp_path)
+    Path("logs").mkdir()
+    for name in "ab":
+        Path("logs", f"{name}.csv").write_text(content + "\n" * (name == "b"))
+    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0")
+    assert done.code == code, done.err
+    assert "imuwb: no log gave a result; results/quarantine.parquet has the reason of each" in done.err
+    assert "fleet report" not in done.err
+    assert len(rows("results", "quarantine")) == 2
+    assert imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0").code == code
 
 
 def test_a_run_does_what_is_missing_and_nothing_else(imuwb, loop, monkeypatch):
@@ -261,6 +282,7 @@ def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
     monkeypatch.chdir(loop)
     done = imuwb("fleet", "list", "logs", "--group", GROUP, "-o", "logs.csv", "--force")
     assert (done.code, "9 logs of 3 sensors" in done.err) == (0, True), done.err
+    assert "kB in all; no log has an index that states its duration" in " ".join(done.err.split())
     assert Path("logs.csv").read_text().count("\n") == 10
     again = imuwb("fleet", "list", "logs", "--identities", "logs.csv")
     assert "9 logs of 3 sensors" in again.out
@@ -285,7 +307,7 @@ def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, 
         done = imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address)
         assert (done.code, address in done.err) == (0, True), done.err
         assert "nothing was left" in imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address).err
-        assert imuwb("fleet", "mean.py", "hangs", "-o", "hung", "--scheduler", address, *SHORT).code == 0
+        assert imuwb("fleet", "mean.py", "hangs", "-o", "hung", "--scheduler", address, *SHORT).code == 1
     assert [row["kind"] for row in rows("hung", "quarantine")] == ["time"]
     import obstore
     from obstore.store import S3Store

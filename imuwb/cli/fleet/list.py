@@ -72,14 +72,19 @@ def _csv(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> str:
 
 def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     from imuwb.analysis import Answer  # noqa: PLC0415 - as above
-    from imuwb.texts import duration_text  # noqa: PLC0415 - as above
+    from imuwb.texts import bytes_text, duration_text  # noqa: PLC0415 - as above
 
     formats = Counter(one.format or "no log" for one in known)
     sensors = {(task.identity.vehicle, task.identity.serial) for task in tasks if task.identity.serial is not None}
     times = [one.duration for one in known if one.duration is not None]
-    size = sum(one.log.size for one in known) / 1e9
+    total = f"{bytes_text(sum(one.log.size for one in known))} in all"
+    indexed = (
+        f"the indexes of {counted(len(times), 'log')} state {duration_text(sum(times))}"
+        if times
+        else "no log has an index that states its duration"
+    )
     sentences = (
-        f"{size:.3g} GB; {duration_text(sum(times))} by the indexes of {counted(len(times), 'log')}.",
+        f"{total}; {indexed}.",
         *[one.fault for one in known if one.fault][:FAULTS],
     )
     rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))

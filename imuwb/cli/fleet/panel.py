@@ -7,6 +7,7 @@ from typing import Any
 
 from imuwb.analysis import Answer, Step
 from imuwb.cli.terminal import print_panel
+from imuwb.errors import ImuwbError, MissingDataError, UnreadableLogError, UsageError
 from imuwb.fleet.parquet import table_in
 from imuwb.fleet.progress import faults_text, quarantined_text
 from imuwb.fleet.run_state import RunState
@@ -16,6 +17,8 @@ from imuwb.review.answers.panel import Origin
 from imuwb.texts import counted
 
 MOST = 4  #: faults that are named
+#: kind of the faults of all logs -> error
+NOTHING = {"lacks data": MissingDataError, "unreadable": UnreadableLogError, "usage": UsageError}
 
 
 def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int) -> None:
@@ -27,6 +30,9 @@ def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: 
         patterns: that were given.
         place: of the results.
         worked: logs that were worked on in this run.
+
+    Raises:
+        ImuwbError: no log gave a result; the error is that of one log where all logs have the same kind of fault.
     """
     answer = answer_of(state, store, place, worked)
     wrote = tuple(file_of(name) for name in ("sensors", "outages", "logs", "quarantine"))
@@ -35,6 +41,12 @@ def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: 
         Origin(f"fleet {state.analysis}", tuple(patterns), wrote=(f"{place.rstrip('/')}/: {wrote[0]}", *wrote[1:])),
         data=False,
     )
+    if state.logs and not _results(state, store):
+        faults = _columns(store, "quarantine", ("kind", "message", "path"))
+        kinds = {row["kind"] for row in faults}
+        error = NOTHING.get(kinds.pop(), ImuwbError) if len(kinds) == 1 else ImuwbError
+        first = f" The first is {_named(faults[0])}." if faults else ""
+        raise error(f"no log gave a result; {place.rstrip('/')}/{file_of('quarantine')} has the reason of each.{first}")
 
 
 def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
@@ -57,10 +69,15 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
         sentences.append("All of it was there: nothing was left to do.")
     known = counted(len(sensors), "sensor") if sensors else "unknown sensors"
     about = f"{counted(state.logs, 'log')} of {known}, {state.executor}"
+    report = Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift")
     return Answer(
-        about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences),
-        (Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift"),),
+        about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if _results(state, store) else (),
     )  # fmt: skip
+
+
+def _results(state: RunState, store: Store) -> bool:
+    """Return whether any log gave a result; one with a fault in a part may."""
+    return state.done > 0 or any(_columns(store, table, ("log",)) for table in ("sensors", "outages"))
 
 
 def _named(fault: dict[str, Any]) -> str:
