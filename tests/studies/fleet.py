@@ -11,7 +11,7 @@ and the client gets it after a third and after two thirds of the logs; it is the
 * overhead: CPU of the pool over that of the loop, for logs that take 2 s each (``noise``), in pairs of runs whose order alternates.
 * planted: what ``imuwb fleet report`` finds in the tables of the loop at an error of 1 %.
 
-Command: ``nice -n 15 python tests/studies/fleet.py`` (600 logs: half an hour of CPU; ``fleet.md`` states what was run. Linux).
+Command: ``nice -n 15 python tests/studies/fleet.py`` (600 logs: an hour of CPU. Linux).
 Seeds: 1, of the fleet; 2, of the logs of 2 s.
 """
 
@@ -44,7 +44,11 @@ KILL = 10.0  #: s between two kills of a worker; each worker is killed twice, th
 BOUNDS = ("--task-time", "15", "--task-memory", "1")
 TABLES = ("sensors", "outages", "logs", "quarantine")
 BUCKET, PORT = "fleet", 5127
-LONG, PAIRS = 30, 3  #: logs of 2 s each; pairs of runs over them
+LONG, LONG_SECONDS, PAIRS = (
+    120,
+    600,
+    2,
+)  #: logs of 2 s of CPU each, and the seconds that they last; pairs of runs over them
 AGAIN = 3  #: runs that find all done
 PLANTED = {"s000": {"drifts"}, "s001": {"out of family"}, "s002": {"out of family"}, "s003": {"out of family"}}
 STORE = {
@@ -181,7 +185,7 @@ def stored(store, name):
 
 def overhead(folder, rerun):
     """Return the rows on the CPU of a pool over that of a loop, for logs of 2 s each."""
-    fleet(folder / "more", LONG // MONTHS, 280, 100, seed=2)
+    fleet(folder / "more", LONG // MONTHS, LONG_SECONDS, RATE, seed=2)
     spent = {0: [], 2: []}
     for pair in range(PAIRS):
         for workers in (0, 2) if pair % 2 == 0 else (2, 0):
@@ -285,7 +289,7 @@ def study(records):
             "of the loop",
         )  # fmt: skip
         note = (
-            f"{damaged} of the logs are damaged, hang or take memory. The machine worked for others too, so the clock says little. "
+            f"{damaged} of the logs are damaged, hang or take memory. "
             "The last column is the CPU of another run, which finds all done, over that of the loop over the same logs."
         )
         return (Table("Goals", GOALS, goals), Table("Runs under kills", heads, tuple(rows), note), scale(folder))
