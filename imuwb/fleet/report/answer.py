@@ -160,7 +160,7 @@ def _outages(report: FleetReport) -> Iterator[str]:
         None,
     )
     sure = "" if ratio is None else f"; its sigma is {believed(ratio)}"
-    yield f"Outages, {group.source}: {cell(group, own.mean)}, vehicles differ by {spread_text(group, own.between)}{sure}."
+    yield f"Outages, {group.source}: {cell(group, own.mean)}{sure}; vehicles differ by {spread_text(group, own.between)}."
 
 
 def believed(ratio: Coefficient) -> str:

@@ -12,7 +12,7 @@ from imuwb.colors import BLUE, GREY, PALE, RED
 from imuwb.fleet.report.answer import believed, by_text
 from imuwb.fleet.report.groups import Group
 from imuwb.fleet.report.outages import DRIFT, RATIO
-from imuwb.fleet.report.result import OUTSIDE, FleetReport, in_si, member_mean
+from imuwb.fleet.report.result import OUTSIDE, FleetReport, end_in_si, in_si, member_mean
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict
 from imuwb.fleet.report.words import (
     Row,
@@ -25,6 +25,7 @@ from imuwb.fleet.report.words import (
     slope_text,
     spread_text,
     what,
+    with_unit,
 )
 from imuwb.identification.family import Judged
 from imuwb.statistics import Estimate
@@ -77,7 +78,7 @@ def sensors_figure(report: FleetReport, place: int, group: str = "") -> Figure:
     changed = np.isin(judged.sensors.sensor[order], [one.sensor for one in judged.changes]) & ~out
     edge = np.array([0.0, order.size + 1.0])
     curves = [
-        _band("the family without outliers", own, judged.sensor_range, edge),
+        _band(f"{100 * report.level:g} % of the family's sensors", own, judged.sensor_range, edge),
         *(
             Curve(label, x[rows], value[rows], color, lower[rows], upper[rows], style="points")
             for label, rows, color in (
@@ -96,7 +97,13 @@ def sensors_figure(report: FleetReport, place: int, group: str = "") -> Figure:
     )  # fmt: skip
     who = "sensor" if own.axis else "vehicle"
     title = f"{own.type}: {what(own)} of each {who}"
-    limits = _limits(np.concatenate([lower, upper, curves[0].y]))
+    shown = np.concatenate([lower, upper, curves[0].y])
+    beyond_these = _near(_shown(own, np.array(judged.sensor_limits)), shown)
+    curves += [
+        Curve("" if i else "out of family beyond", edge, np.full(2, end), RED, style="fit")
+        for i, end in enumerate(beyond_these)
+    ]
+    limits = _limits(np.concatenate([shown, beyond_these]))
     return Figure(
         title, f"{who}s in order of their mean [1]", f"{own.coefficient} [{own.display.name}]", tuple(curves), marks, "linear", "linear",
         x_limits=(0.0, order.size + 1.0), y_limits=limits, group=group,
@@ -160,6 +167,12 @@ def _band(label: str, group: Group, extent: Estimate, edge: Floats) -> Curve:
 def _shown(group: Group, values: Floats) -> Floats:
     """Return values on the scale of a group in the unit that people read."""
     return (np.exp(values) if group.observations.logarithmic else values) / group.display.factor
+
+
+def _near(ends: Floats, values: Floats) -> Floats:
+    """Return the ends that a figure of values has room for."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return ends[(ends >= low - (high - low)) & (ends <= high + (high - low))]
 
 
 def _limits(values: Floats) -> tuple[float, float]:
@@ -242,8 +255,10 @@ def _logs_text(judged: Judged) -> str:
 
 
 def _range(group: Group, judged: Judged) -> str:
-    low, high = (_shown(group, np.array([end]))[0] for end in (judged.sensor_range.lower, judged.sensor_range.upper))
-    return f"{low:.3g} to {high:.3g} {group.display.name}"
+    low, high = (
+        end_in_si(group, end) / group.display.factor for end in (judged.sensor_range.lower, judged.sensor_range.upper)
+    )
+    return with_unit(f"{low:.3g} to {high:.3g}", group)
 
 
 def _outages(report: FleetReport, review: Review) -> None:

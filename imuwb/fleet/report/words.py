@@ -94,7 +94,7 @@ def date_text(time: int | None) -> str:
 def cell(group: Group, estimate: Estimate) -> str:
     """Return an estimate on the scale of a group in the unit that people read, with the unit."""
     if group.observations.logarithmic:
-        return _with_unit(coefficient_cell(in_si(group, estimate), group.display), group)
+        return with_unit(coefficient_cell(in_si(group, estimate), group.display), group)
     return estimate_text(estimate, group.display.name, group.display.factor)
 
 
@@ -103,10 +103,11 @@ def beyond(group: Group, judged: Judged) -> str:
     low, high = (end_in_si(group, end) / group.display.factor for end in judged.sensor_limits)
     if not math.isfinite(high):
         return "—"
-    return _with_unit(f"below {low:.3g} or above {high:.3g}", group)
+    return with_unit(f"below {low:.3g} or above {high:.3g}", group)
 
 
-def _with_unit(text: str, group: Group) -> str:
+def with_unit(text: str, group: Group) -> str:
+    """Return a text with the unit in which people read a group."""
     return text if group.display.name == "1" else f"{text} {group.display.name}"
 
 
