@@ -65,7 +65,7 @@ def draw(
         recording: where it is drawn.
         path: of its entities.
         size: width and height of the view, px.
-        group: figures that share their axes with this one; the first has the legend.
+        group: figures that share their axes with this one; the legend of the first names the curves.
     """
     sheet, bounds = drawn(figure, size, group)
     sheet.log(recording, path)
@@ -75,7 +75,7 @@ def draw(
 def drawn(figure: Figure, size: Point, group: Sequence[Figure] = ()) -> tuple[Drawing, tuple[Point, Point]]:
     """Return a figure as a drawing, and the ranges of x and y that its view shows."""
     group = group or (figure,)
-    rows = legend.entries(figure) if figure is group[0] else ()
+    rows = legend.in_group(figure, group)
     margins = _margins(figure, rows, size, Frame(group, *size), above=len(group) > 1)
     width, height = size[0] - margins.left - margins.right, size[1] - margins.top - margins.bottom
     frame = Frame(group, max(width, LEAST_FRAME), max(height, LEAST_FRAME))
@@ -94,10 +94,10 @@ def drawn(figure: Figure, size: Point, group: Sequence[Figure] = ()) -> tuple[Dr
 
 def _margins(figure: Figure, rows: Sequence[legend.Entry], size: Point, frame: Frame, *, above: bool) -> Margins:
     """Return the margins that the texts need: ticks on the left, the legend on the right or above, texts of verticals above."""
-    ticks = max((text_width(tick.label) for tick in frame.y.ticks()), default=0.0)
-    texts_above = len(_rows_above(figure.verticals, frame)) + (above and bool(rows))
+    left = LEFT + max((text_width(tick.label) for tick in frame.y.ticks()), default=0.0)
+    texts_above = len(_rows_above(figure.verticals, frame)) + (len(legend.wrapped(rows, size[0] - left)) if above else 0)
     right = 0.0 if above else legend.width(rows, size[0])
-    return Margins(ticks + LEFT, max(right, RIGHT), 2 * TITLE + TEXT_ROW * texts_above, BOTTOM)
+    return Margins(left, max(right, RIGHT), 2 * TITLE + TEXT_ROW * texts_above, BOTTOM)
 
 
 def _grid(frame: Frame, sheet: Drawing) -> None:
@@ -230,13 +230,11 @@ def _legend(
     *,
     above: bool,
 ) -> list[tuple[Point, str]]:
-    """Draw the samples of the legend, and return its texts: right of the frame, or above the frame in one row."""
+    """Draw the samples of the legend, and return its texts: right of the frame, or above the frame in rows."""
     places: list[tuple[Point, legend.Entry]] = []
     if above:
-        at, height = 0.0, -2 * TITLE - TEXT_ROW / 2
-        for row in rows:
-            places.append(((at, height), row))
-            at += legend.SAMPLE + 3 * legend.GAP + text_width(row.text)
+        for i, line in enumerate(legend.wrapped(rows, frame.width + margins.right)):
+            places += [((x, TEXT_ROW * (i + 0.5) - margins.top), row) for x, row in line]
     else:
         x = frame.width + legend.GAP
         places += [((x, y), row) for y, row in legend.fitting(rows, frame.height, margins.right)]

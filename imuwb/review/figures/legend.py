@@ -13,6 +13,7 @@ SAMPLE, GAP = 26.0, 10.0  #: length of a sample of a line; distance from it to i
 STEP, LEAST_STEP = 22.0, 15.5  #: distance between rows
 LEAST_TEXT = 80.0  #: width, of the text that says how many rows are missing
 MOST_SHARE = 0.42  #: of a view's width; longer texts are cut
+MOST_ABOVE = 4  #: rows above a frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,12 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
         for number, mark in zip(numbers, figure.marks, strict=True)
     ]
     return (*lines, *marks)
+
+
+def in_group(figure: Figure, group: Sequence[Figure]) -> tuple[Entry, ...]:
+    """Return the rows of the legend of a figure of a group: the first names the curves, and each its own marks."""
+    rows = entries(figure)
+    return rows if figure is group[0] else tuple(row for row in rows if row.style == "mark")
 
 
 def _color(curve: Curve, curves: Sequence[Curve]) -> Color:
@@ -72,6 +79,25 @@ def fitting(rows: Sequence[Entry], height: float, width: float) -> Iterator[tupl
     for i, row in enumerate(shown):
         text = cut(row.text, width - SAMPLE - 3 * GAP + 1.0) if row.style else row.text
         yield step * (i + 0.5), Entry(text, row.color, row.style)
+
+
+def wrapped(rows: Sequence[Entry], width: float) -> list[list[tuple[float, Entry]]]:
+    """Return the rows of a legend above a frame: in each, the place from the left and the entry; the last entry says how many more there are."""
+    found: list[list[tuple[float, Entry]]] = [[]]
+    at = 0.0
+    for place, entry in enumerate(rows):
+        step = SAMPLE + 3 * GAP + text_width(entry.text)
+        more = Entry(f"and {len(rows) - place} more", INK, "")
+        if found[-1] and at + step > width and len(found) < MOST_ABOVE:
+            found.append([])
+            at = 0.0
+        needed = step if place == len(rows) - 1 else step + SAMPLE + 3 * GAP + text_width(more.text)
+        if len(found) == MOST_ABOVE and at + needed > width:
+            found[-1].append((at, more))
+            break
+        found[-1].append((at, entry))
+        at += step
+    return found if rows else []
 
 
 def cut(text: str, width: float) -> str:

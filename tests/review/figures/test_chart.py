@@ -5,6 +5,7 @@ import pytest
 
 from imuwb.analysis import Curve, Figure, Mark, Vertical
 from imuwb.colors import GRID, SUBGRID
+from imuwb.review.figures import legend
 from imuwb.review.figures.frame import Frame as WholeFrame
 from imuwb.review.figures.sizes import text_width
 
@@ -169,6 +170,35 @@ def test_figures_of_a_group_share_their_axes_and_the_first_has_the_legend(line, 
     assert "c" not in two.labels()
     ticks = [{t for t in paths.labels() if t[0].isdigit()} for paths in (one, two)]
     assert ticks[0] == ticks[1] >= {"0", "100"}
+
+
+def test_the_legend_of_a_group_is_whole_and_each_figure_names_its_own_marks(line, drawn):
+    marks = [Mark(0.1 * i, 1.0, f"sensor {i}", (1, 2, 3), "0.25 deg/h") for i in range(5)]
+    first, second = (line([0.0, 1.0], [0.0, 1.0], kind="linear", marks=own) for own in (marks[:3], marks[3:]))
+    group = (first, second)
+    one, two = (drawn(figure, (360, 385), group) for figure in group)
+    assert {"1 sensor 0 0.25 deg/h", "3 sensor 2 0.25 deg/h", "c"} <= set(one.labels())
+    assert {"1 sensor 3 0.25 deg/h", "2 sensor 4 0.25 deg/h"} <= set(two.labels())
+    assert not {"c", "1 sensor 0 0.25 deg/h"} & set(two.labels())
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 60])
+def test_a_legend_above_a_frame_is_wrapped_and_says_what_is_missing(count):
+    rows = [legend.Entry(f"sensor {i} out of family", (1, 2, 3), "mark") for i in range(count)]
+    assert len(legend.wrapped([*rows[:9], legend.Entry("long" * 30, (1, 2, 3), "mark")], 500.0)) <= 4
+    lines = legend.wrapped(rows, 500.0)
+    placed = [entry for line in lines for _, entry in line]
+    assert len(lines) <= 4
+    for line in lines:
+        ends = [at + legend.SAMPLE + 3 * legend.GAP + text_width(entry.text) for at, entry in line]
+        assert all(end <= at + 1e-9 for end, (at, _) in zip(ends, line[1:], strict=False))
+        assert ends[-1] <= 500.0
+    shown = [entry for entry in placed if entry.style]
+    assert shown == rows[: len(shown)]
+    assert [entry.text for entry in placed if not entry.style] == (
+        [f"and {count - len(shown)} more"] if len(shown) < count else []
+    )
+    assert (len(shown) == count) is (count < 10)
 
 
 @pytest.mark.parametrize("turned", [False, True])
