@@ -187,3 +187,14 @@ def test_plans_state_the_widths_that_records_reach(load):
     assert [row[2] for row in widths.rows] == ["N", "N", "B", "Q", "N", "K", "N", "B", "K"]
     assert all(row[3] > 0 for row in widths.rows)
     assert goals.rows
+
+
+@pytest.mark.slow
+def test_limits_of_logs_take_the_error_of_a_family_away(load, monkeypatch):
+    study = load("fleet_limits")
+    monkeypatch.setattr(study, "SENSORS", 15)
+    monkeypatch.setattr(study, "LOGS", 2)
+    limited, away = np.moveaxis(study.judged(1, 0)[..., :2], -1, 0)
+    assert 0.1 < limited[1, 0] < 0.6
+    assert away[0, 0] > 0.25
+    assert np.all(np.abs(away[:, 1]) < 0.7 * np.abs(away[:, 0]))

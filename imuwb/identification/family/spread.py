@@ -11,7 +11,7 @@ from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_limits, chi_square_quantile, normal_quantile
 
 DOUBLINGS, HALVINGS = 60, 60
-FEWEST = 2.0  #: degrees of freedom of a variance that has an interval of both ends
+FEWEST = 8.0  #: degrees of freedom of a variance that is sure to be above 0: twice its error
 
 
 def between_spread(sensors: Members, value: float, error: float, level: float) -> Coefficient:
