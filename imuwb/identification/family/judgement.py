@@ -183,15 +183,16 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     fit, stand = with_limits(steady, state.limits, random_effects(steady))
     every = members(joined(state.rows.of(state.kept), stand), fit.within)
     known = every.sensor < state.rows.sensors
-    out, family = outside(every, error, known)
-    sensors, inside = every.of(known), every.of(~np.isin(every.sensor, [one.sensor for one in out]))
+    enough = int(known.sum()) >= FEWEST
+    out, family = outside(every, error, known & enough)
+    left = ~np.isin(every.sensor, [one.sensor for one in out])
+    sensors, inside, seen = every.of(known), every.of(left), every.of(left & known)
     mean, sigma = float(family.coefficients[0]), float(family.covariance[0, 0]) ** 0.5
     count = inside.mean.size
     t = student_limit(level, max(count - 1, 1))
-    typical = float(np.median(inside.variance))
+    typical = float(np.median(seen.variance))
     own, sampling = family.between + sigma**2, float(np.median(steady.variance))
-    share = error / trials(max(every.mean.size, 1))
-    far = student_limit(1 - share, count - 1) * (own + typical) ** 0.5 if every.mean.size >= FEWEST else np.inf
+    far = student_limit(1 - error / trials(every.mean.size), count - 1) * (own + typical) ** 0.5 if enough else np.inf
     if stand.y.size:
         between, within = (
             spread_of(family.between, family.errors[0], level),
@@ -208,5 +209,5 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     return Judged(
         state.rows, state.kept, slope, sensors, Estimate(mean, mean - t * sigma, mean + t * sigma, sigma), between, within,
         ranged(spread + sigma**2), ranged(own + fit.within + sampling), (mean - far, mean + far), out, tuple(state.found),
-        heavy_tails(every.of(known & np.isin(every.sensor, inside.sensor)), family), int(stand.y.size),
+        heavy_tails(seen, family), int(stand.y.size),
     )  # fmt: skip
