@@ -288,6 +288,25 @@ def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
     assert "9 logs of 3 sensors" in again.out
 
 
+@pytest.mark.parametrize(
+    ("group", "about", "said"),
+    [
+        ("logs/(?P<vehicle>[^/]+)/(?P<serial>s)", "9 logs of 1 sensor", "Serial s is in 3 vehicles (v0, v1, v2)"),
+        ("logs/(?P<vehicle>[^/]+)/", "9 logs of 3 vehicles, whose sensors are not named", ""),
+        ("logs/v0/(?P<serial>s0)/", "9 logs of 1 sensor", "The sensor of 4 logs is not known"),
+    ],
+)
+def test_sensors_and_vehicles_are_counted_alike(imuwb, loop, tmp_path, monkeypatch, group, about, said):
+    monkeypatch.chdir(loop)
+    listed = imuwb("fleet", "list", "logs", "--group", group)
+    done = imuwb("fleet", "mean.py", "logs", "-o", tmp_path / "counted", "--group", group, "--workers", "0")
+    for text in (listed.out, done.err):
+        whole = " ".join(text.split())
+        assert about in whole, text
+        assert said in whole, text
+        assert bool(said) or "not known" not in whole, text
+
+
 def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="distributed is not installed")
     assert distributed

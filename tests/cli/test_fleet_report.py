@@ -32,7 +32,7 @@ def report_of(folder_or_rows, **options):
     rows = folder_or_rows
     state = run_state(store_at(str(rows)), "") if not isinstance(rows, dict) else None
     if state is None:
-        state = type("State", (), {"analysis": "noise", "command": "", "logs": 1, "quarantined": 0})()
+        state = type("State", (), {"analysis": "noise", "command": "", "state": "ended", "logs": 1})()
         return fleet_report(state, tables_of(rows), **options)
     tables = {name: pq.read_table(rows / f"{name}.parquet") for name in ("logs", "sensors", "outages", "quarantine")}
     return fleet_report(state, tables, **options)
@@ -246,3 +246,40 @@ def test_one_log_is_in_quarantine_and_two_are(imuwb, tmp_path):
     assert (done.code, "1 of 19 logs is in quarantine (5.26 %), and" in done.err) == (1, True), done.err
     assert quarantined_text(1) == "1 is in quarantine"
     assert quarantined_text(2) == "2 are in quarantine"
+
+
+@pytest.mark.parametrize("state", ["interrupted", "running"])
+def test_a_run_that_has_not_ended_says_so_and_passes_no_gate(imuwb, tmp_path, state):
+    folder = write(tmp_path / "results", rows_of(**FEW | {"damaged": 2}), state=state, logs=300, quarantined=0)
+    done = imuwb("fleet", "report", folder, "--json", "fleet.json", "--html", "fleet.html")
+    assert (done.code, "20 of 300 logs of 6 sensors" in done.out) == (0, True), done.err
+    content = json.loads((tmp_path / "fleet.json").read_text("utf-8"))["result"]
+    assert (content["state"], content["logs"], content["logs_of_run"]) == (state, 20, 300)
+    assert "20 of 300 logs are in the tables" in (tmp_path / "fleet.html").read_text("utf-8")
+    done = imuwb("fleet", "report", folder, "--max-quarantine", "5%", "--force")
+    assert (done.code, "2 of 20 logs are in quarantine (10 %)" in done.err) == (1, True), done.err
+    (tmp_path / "sheet.toml").write_text('[gyro_x]\nN = "9 deg/√h"\n', "utf-8")
+    for limit in (("--max-quarantine", "50%"), ("--check", "sheet.toml")):
+        done = imuwb("fleet", "report", folder, *limit, "--force")
+        assert (done.code, f"{'interrupted' if state == 'interrupted' else 'under way'}" in done.err) == (1, True)
+
+
+def test_a_serial_in_two_vehicles_is_one_sensor_and_is_said(imuwb, tmp_path):
+    rows = rows_of(**FEW | {"sensors": 5})
+    for table in rows.values():
+        for row in table:
+            row["serial"] = "SN000" if row["serial"] == "SN001" else row["serial"]
+            row["vehicle"] = {"SN000": row["log"][-1:]}.get(row["serial"], row["vehicle"])
+    found = report_of(rows)
+    assert (found.sensors, found.owned.sensors, found.owned.moved[0][1]) == (4, 4, ("0", "1", "2"))
+    done = imuwb("fleet", "report", write(tmp_path / "results", rows))
+    assert "15 logs of 4 sensors" in done.out
+    assert "Serial SN000 is in 3 vehicles" in done.out
+
+
+def test_vehicles_are_not_called_sensors():
+    rows = rows_of(**FEW)
+    for table in rows.values():
+        for row in table:
+            row["serial"] = None
+    assert "18 logs of 3 vehicles, whose sensors are not named" in answer(report_of(rows)).about

@@ -72,10 +72,11 @@ def _csv(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> str:
 
 def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     from imuwb.analysis import Answer  # noqa: PLC0415 - as above
+    from imuwb.fleet.owned import owned  # noqa: PLC0415 - as above
     from imuwb.texts import bytes_text, duration_text  # noqa: PLC0415 - as above
 
     formats = Counter(one.format or "no log" for one in known)
-    sensors = {(task.identity.vehicle, task.identity.serial) for task in tasks if task.identity.serial is not None}
+    whose = owned((task.identity.vehicle, task.identity.serial) for task in tasks)
     times = [one.duration for one in known if one.duration is not None]
     total = f"{bytes_text(sum(one.log.size for one in known))} in all"
     indexed = (
@@ -85,11 +86,12 @@ def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     )
     sentences = (
         f"{total}; {indexed}.",
+        *whose.sentences(),
         *[one.fault for one in known if one.fault][:FAULTS],
     )
     rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))
     return Answer(
-        f"{counted(len(known), 'log')} of {counted(len(sensors), 'sensor') if sensors else 'unknown sensors'}",
+        f"{counted(len(known), 'log')} of {whose.text}",
         ("format", "logs"),
         rows,
         sentences,

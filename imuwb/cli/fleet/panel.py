@@ -8,6 +8,7 @@ from typing import Any
 from imuwb.analysis import Answer, Step
 from imuwb.cli.terminal import print_panel
 from imuwb.errors import ImuwbError, MissingDataError, UnreadableLogError, UsageError
+from imuwb.fleet.owned import owned
 from imuwb.fleet.parquet import table_in
 from imuwb.fleet.progress import faults_text, quarantined_text
 from imuwb.fleet.run_state import RunState
@@ -56,19 +57,14 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
     kinds = Counter(row["kind"] for row in faults)
     examples = {row["kind"]: row for row in reversed(faults)}
     rows = tuple((kind, str(count), _named(examples[kind])) for kind, count in kinds.most_common(MOST))
-    sensors = {(row["vehicle"], row["serial"]) for row in logs if row["serial"] is not None}
-    named = sum(row["serial"] is not None for row in logs)
+    whose = owned((row["vehicle"], row["serial"]) for row in logs)
     sentences = [
         f"{state.done} of {counted(state.logs, 'log')} gave a result, {quarantined_text(state.quarantined)}: {faults_text(kinds)}."
     ]
-    if named < len(logs):
-        sentences.append(
-            f"The sensor of {counted(len(logs) - named, 'log')} is not known: --group, --identities or --metadata state it."
-        )
+    sentences += whose.sentences()
     if not worked:
         sentences.append("All of it was there: nothing was left to do.")
-    known = counted(len(sensors), "sensor") if sensors else "unknown sensors"
-    about = f"{counted(state.logs, 'log')} of {known}, {state.executor}"
+    about = f"{counted(state.logs, 'log')} of {whose.text}, {state.executor}"
     report = Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift")
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if _results(state, store) else (),

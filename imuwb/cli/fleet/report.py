@@ -107,7 +107,7 @@ def report(
     for item in shown if full else ():
         show(item)
     print_panel(said, origin, data=json != "-")
-    _check_limits(state, verdicts, check, most)
+    _check_limits(found, verdicts, check, most)
 
 
 def _default(results: str) -> Path:
@@ -229,12 +229,13 @@ def _recorded(
     return text, made, shown
 
 
-def _check_limits(state: RunState, verdicts: Sequence[SheetVerdict], sheet: Path | None, most: float) -> None:
-    """Raise ImuwbError if a limit is exceeded, or may be."""
-    from imuwb.fleet.report.result import quarantined_share  # noqa: PLC0415 - help must not wait
-    from imuwb.fleet.report.sheet import outcomes  # noqa: PLC0415
+def _check_limits(found: FleetReport, verdicts: Sequence[SheetVerdict], sheet: Path | None, most: float) -> None:
+    """Raise ImuwbError if a limit is exceeded, or may be: so it is while the run has not ended."""
+    from imuwb.fleet.report.sheet import outcomes  # noqa: PLC0415 - help must not wait
 
     failed: list[str] = []
+    if found.unfinished and (sheet is not None or math.isfinite(most)):
+        failed.append(f"{found.unfinished}, so no limit can be kept yet; the same imuwb fleet command goes on")
     counts = {outcome: count for outcome, count in outcomes(verdicts).items() if outcome != "within"}
     if counts:
         first = next(one for one in verdicts if one.verdict.outcome != "within")
@@ -243,9 +244,9 @@ def _check_limits(state: RunState, verdicts: Sequence[SheetVerdict], sheet: Path
         failed.append(
             f"not within {sheet}: {listed} of {len(verdicts)} limits; the first: {first.sensor}, {limit.axis} {limit.letter}"
         )
-    if quarantined_share(state) > most:
+    if found.quarantined_share > most:
         failed.append(
-            f"{state.quarantined} of {state.logs} logs {'is' if state.quarantined == 1 else 'are'} in quarantine ({100 * quarantined_share(state):.3g} %), and --max-quarantine "
+            f"{found.quarantined} of {found.count} logs {'is' if found.quarantined == 1 else 'are'} in quarantine ({100 * found.quarantined_share:.3g} %), and --max-quarantine "
             f"allows {100 * most:g} %; quarantine.parquet has the reasons"
         )
     if failed:

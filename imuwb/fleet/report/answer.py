@@ -29,7 +29,8 @@ def answer(report: FleetReport, verdicts: Sequence[SheetVerdict] = ()) -> Answer
         for name, row in zip(names, shown, strict=True)
     )
     steps = tuple(Step(report.see(row.worst.logs[-1]), f"{row.worst.sensor}: its log") for row in shown[:1])
-    about = f"{report.count} logs of {report.sensors} sensor{'s' if report.sensors > 1 else ''}, {report.analysis}"
+    of = f" of {report.planned}" if report.unfinished else ""
+    about = f"{report.count}{of} log{'s' if report.count > 1 or of else ''} of {report.owned.text}, {report.analysis}"
     return Answer(
         about, ("sensor", "finding", "of", "by"), rows, tuple(_sentences(report, verdicts)), steps,
         f"{100 * report.level:g} % intervals", numbers=_numbers(report),
@@ -43,7 +44,11 @@ def by_text(report: FleetReport, finding: Finding) -> str:
 
 
 def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
+    if report.unfinished:
+        yield f"{report.unfinished[0].upper()}{report.unfinished[1:]}."
     yield _counted(report)
+    if report.owned.moved:
+        yield report.owned.moved_text
     yield from _checked(verdicts)
     yield from _worthless(report)
     yield from _family(report)

@@ -14,7 +14,7 @@ from imuwb.identification.family import Judged
 def content_of(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> dict[str, object]:
     """Return families, findings, verdicts and worthless logs; a relative size is a natural logarithm of a ratio."""
     return {
-        "analysis": report.analysis, "command": report.command, "logs": report.count, "sensors": report.sensors,
+        "analysis": report.analysis, "command": report.command, "state": report.state, "logs": report.count, "logs_of_run": report.planned, "sensors": report.sensors,
         "error": report.error, "level": report.level,
         "findings": [_finding(report, one) for one in report.findings],
         "families": [_family(group, judged) for group, judged in zip(report.groups, report.judged, strict=True)],

@@ -7,13 +7,14 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
 from imuwb.errors import MissingDataError
+from imuwb.fleet.owned import Owned, owned
 from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState
@@ -75,7 +76,10 @@ class FleetReport:
     error: float  #: probability that chance makes any finding
     level: float  #: of the intervals
     logs: Mapping[str, LogRow]  #: key -> log
-    count: int  #: logs that were found
+    state: Literal["running", "interrupted", "ended"]  #: of the run
+    planned: int  #: logs of the run
+    count: int  #: logs in the tables; fewer than those of the run until it has ended
+    owned: Owned  #: whose they are
     sensors: int  #: that have a value
     groups: tuple[Group, ...]
     judged: tuple[Judged, ...]
@@ -87,6 +91,19 @@ class FleetReport:
     def quarantined(self) -> int:
         """Return the number of logs in quarantine."""
         return len({one.path for one in self.worthless if one.kind != SUSPICIOUS})
+
+    @property
+    def quarantined_share(self) -> float:
+        """Return the share of the logs in the tables that are in quarantine."""
+        return self.quarantined / self.count if self.count else 0.0
+
+    @property
+    def unfinished(self) -> str:
+        """Return how far a run came that has not ended, as a clause; empty: it has ended."""
+        if self.state == "ended":
+            return ""
+        what = "is interrupted" if self.state == "interrupted" else "is under way, or was killed"
+        return f"the run {what}: {self.count} of {self.planned} logs are in the tables"
 
     @property
     def kinds(self) -> Counter[str]:
@@ -142,9 +159,10 @@ def fleet_report(
     names = {name for group in groups if group.axis for name in group.sensors} or {
         name for group in groups for name in group.sensors
     }
+    whose = owned(zip(tables["logs"]["vehicle"].to_pylist(), tables["logs"]["serial"].to_pylist(), strict=True))
     worthless = (*_quarantine(tables["quarantine"]), *(() if doubtful else _doubtful(tables["sensors"], logs)))
     return FleetReport(
-        state.analysis, state.command, options, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if not group.is_judged), tuple(findings),
+        state.analysis, state.command, options, error, level, logs, state.state, state.logs, tables["logs"].num_rows, whose, len(names), groups, judged, tuple(group for group in every if not group.is_judged), tuple(findings),
         worthless,
     )  # fmt: skip
 
@@ -242,8 +260,3 @@ def end_in_si(group: Group, end: float) -> float:
     if not group.observations.logarithmic:
         return end
     return math.exp(end) if end < MOST_EXPONENT else math.inf
-
-
-def quarantined_share(state: RunState) -> float:
-    """Return the share of the logs that are in quarantine."""
-    return state.quarantined / state.logs if state.logs else 0.0

@@ -95,7 +95,9 @@ def drawn(figure: Figure, size: Point, group: Sequence[Figure] = ()) -> tuple[Dr
 def _margins(figure: Figure, rows: Sequence[legend.Entry], size: Point, frame: Frame, *, above: bool) -> Margins:
     """Return the margins that the texts need: ticks on the left, the legend on the right or above, texts of verticals above."""
     left = LEFT + max((text_width(tick.label) for tick in frame.y.ticks()), default=0.0)
-    texts_above = len(_rows_above(figure.verticals, frame)) + (len(legend.wrapped(rows, size[0] - left)) if above else 0)
+    texts_above = len(_rows_above(figure.verticals, frame)) + (
+        len(legend.wrapped(rows, size[0] - left)) if above else 0
+    )
     right = 0.0 if above else legend.width(rows, size[0])
     return Margins(left, max(right, RIGHT), 2 * TITLE + TEXT_ROW * texts_above, BOTTOM)
 
