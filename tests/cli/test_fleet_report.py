@@ -116,7 +116,41 @@ def test_a_sensor_far_outside_is_found_among_six_and_four_are_too_few(imuwb, tmp
     assert {(one["sensor"], one["finding"], one["coefficient"]) for one in found} == {("SN003", "out of family", "N")}
     done = imuwb("fleet", "report", write(tmp_path / "four", rows_of(**{**FEW, "sensors": 4})), "--json", "-")
     assert "cannot be said: that needs 5 sensors" in " ".join(done.err.split())
-    assert {tuple(one["limits"]) for one in json.loads(done.out)["result"]["families"]} == {(None, None)}
+    assert {tuple(one["out_of_family_beyond"]) for one in json.loads(done.out)["result"]["families"]} == {(None, None)}
+
+
+def test_a_sensor_whose_logs_give_limits_far_below_the_family_is_found_and_shown(imuwb, tmp_path):
+    rows = rows_of(sensors=20, planted=False, outages=False, damaged=0)
+    for row in rows["sensors"]:
+        if (row["serial"], row["axis"], row["coefficient"]) == ("SN005", "gyro_x", "N"):
+            row.update(value=None, lower=None, upper=0.2 * row["value"])
+        if (row["serial"], row["axis"], row["coefficient"], row["log"][-1]) == ("SN007", "gyro_y", "N", "2"):
+            row.update(value=None, lower=None, upper=0.2 * row["value"])
+    folder = write(tmp_path / "results", rows)
+    done = imuwb("fleet", "report", folder, "--json", "-", "--html", tmp_path / "page.html")
+    result = json.loads(done.out)["result"]
+    (found,) = result["findings"]
+    assert (found["sensor"], found["finding"], found["axis"]) == ("SN005", "out of family", "gyro_x")
+    assert found["size"]["lower"] is None
+    assert "below 2" in done.err.splitlines()[2]
+    families = {(one["axis"], one["coefficient"]): one for one in result["families"]}
+    assert families["gyro_x", "N"]["limited_logs"] == 5
+    assert families["gyro_y", "N"]["limits_that_values_contradict"] == 1
+    assert families["gyro_x", "N"]["between_sensors"]["value"] < 0.08
+    assert "limit is far below" in " ".join(done.err.split())
+    assert "&lt; " in (tmp_path / "page.html").read_text("utf-8")
+
+
+def test_a_third_of_a_family_far_outside_is_found_and_more_may_be():
+    rows = rows_of(sensors=20, planted=False, outages=False, damaged=0)
+    bad = {f"SN{number:03d}" for number in range(6)}
+    for row in rows["sensors"]:
+        if row["serial"] in bad and row["coefficient"] == "N":
+            row.update({name: 2.5 * row[name] for name in ("value", "lower", "upper")})
+    found = report_of(rows)
+    assert {one.sensor for one in found.findings if one.kind == "out of family"} == bad
+    assert max(one.probability for one in found.findings) < 0.01
+    assert "More sensors may be out of family" in answer(found).sentences[0]
 
 
 def test_what_is_not_counted_is_said():

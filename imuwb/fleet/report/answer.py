@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
@@ -11,12 +12,14 @@ from imuwb.fleet.report.outages import DRIFT, RATIO
 from imuwb.fleet.report.result import KINDS, OUTSIDE, Finding, FleetReport, in_si
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict, outcomes
 from imuwb.fleet.report.words import beyond, cell, named, rows_of, size_text, spread_text, what, when_text
+from imuwb.identification.family import Judged
 from imuwb.identification.family.members import FEWEST
 from imuwb.names import distinct
 from imuwb.statistics import Coefficient, Estimate
 
 MOST = 6  #: findings in the answer
 NAME = 14  #: columns of the name of a sensor
+CONTRADICTING = "the limit is far below the values of the same sensor"
 FEW = 12  #: sensors; in a smaller family only a sensor far outside is found, and the answer says how far
 
 
@@ -66,12 +69,14 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     if silent:
         names = ", ".join(f"{name} of {count} axes" if count > 1 else name for name, count in Counter(silent).items())
         yield f"Not judged, because most logs give a limit only: {names}."
-    if limits := sum(one.limits for one in report.judged):
+    if limits := sum(one.limited for one in report.judged):
         values = sum(int(one.kept.sum()) for one in report.judged)
         yield f"{limits} of {values + limits} values are limits, and count as limits in the family."
     left = Counter[str]()
     for group in report.groups:
         left.update(group.left_out)
+    left[CONTRADICTING] += sum(one.contradicting for one in report.judged)
+    left = +left
     if left:
         yield f"Not counted: {'; '.join(f'{count} values, {reason}' for reason, count in left.most_common())}."
 
@@ -80,29 +85,36 @@ def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
     out, changed, vehicles = found_sensors(report)
     sure = f"chance alone finds one in {100 * report.error:g} % of fleets"
-    if not report.findings and all(one.sensors.sensor.size < FEWEST for one in report.judged):
-        return (
-            f"None changes ({sure}). Which is out of family cannot be said: that needs {FEWEST} sensors of one family."
-        )
+    few = (
+        ""
+        if any(map(_told, report.judged))
+        else f" Which is out of family cannot be said: that needs {FEWEST} sensors of one family."
+    )
+    if not report.findings and few:
+        return f"None changes ({sure}).{few}"
     if not report.findings:
         return f"No sensor is out of family, and none changes ({sure}).{_how_far(report)}"
     more = len(rows_of(report)) - MOST
     rest = f" {more} more rows: --full." if more > 0 else ""
+    if any(one.more for one in report.judged):
+        rest += " More sensors may be out of family: the search ends at three tenths of a family."
     driving = f"; vehicles with a finding in outages: {len(vehicles)}" if vehicles else ""
-    return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)}{driving} ({sure}).{rest}"
+    return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)}{driving} ({sure}).{few}{rest}"
 
 
 def _how_far(report: FleetReport) -> str:
     """Return how far outside a sensor of small families must be to be found."""
-    small = [
-        (group, one)
-        for group, one in zip(report.groups, report.judged, strict=True)
-        if one.sensors.sensor.size >= FEWEST
-    ]
-    if not small or max(one.sensors.sensor.size for _, one in small) >= FEW:
+    pairs = [(group, one) for group, one in zip(report.groups, report.judged, strict=True) if _told(one)]
+    pairs = [pair for pair in pairs if pair[0].observations.logarithmic] or pairs
+    if not pairs or max(one.sensors.sensor.size for _, one in pairs) >= FEW:
         return ""
-    group, judged = min(small, key=lambda pair: pair[1].sensor_limits[1] - pair[1].sensor_limits[0])
+    group, judged = min(pairs, key=lambda pair: pair[1].sensor_limits[1] - pair[1].sensor_limits[0])
     return f" With so few sensors only a far one is found: {what(group)} {beyond(group, judged)}."
+
+
+def _told(judged: Judged) -> bool:
+    """Return whether a family has enough sensors to tell which is outside."""
+    return any(map(math.isfinite, judged.sensor_limits))
 
 
 def found_sensors(report: FleetReport) -> tuple[frozenset[str], frozenset[str], frozenset[str]]:

@@ -40,12 +40,11 @@ def _key(group: Group) -> dict[str, object]:
 
 
 def _family(group: Group, judged: Judged) -> dict[str, object]:
-    told = math.isfinite(judged.sensor_limits[1])
-    limits = [end_in_si(group, end) if told else None for end in judged.sensor_limits]
+    limits = [end_in_si(group, end) if math.isfinite(end) else None for end in judged.sensor_limits]
     return {
         **_key(group), "unit": group.unit, "sensors": int(judged.sensors.sensor.size), "values": int(judged.kept.sum()),
-        "limits_of_logs": judged.limits,
-        "mean": in_si(group, judged.mean), "range_of_sensors": in_si(group, judged.sensor_range), "limits": limits,
+        "limited_logs": judged.limited, "limits_that_values_contradict": judged.contradicting, "more_may_be_outside": judged.more,
+        "mean": in_si(group, judged.mean), "range_of_sensors": in_si(group, judged.sensor_range), "out_of_family_beyond": limits,
         "relative": group.observations.logarithmic, "between_sensors": judged.between, "from_log_to_log": judged.within,
         "per_degree": None if judged.slope is None else judged.slope, "heavy_tails": judged.tails, "not_counted": dict(group.left_out),
     }  # fmt: skip

@@ -47,6 +47,9 @@ class Group:
     lower: Floats
     upper: Floats
     limited: Limits  #: of the logs that give a limit only, on the scale of the observations
+    limited_logs: tuple[str, ...]  #: (m,) keys of these logs
+    limited_time: Floats  #: (m,) s since 1970; nan: not known
+    further: tuple[str, ...]  #: sensors that have limits only; they are numbered after ``sensors``
     limits: Mapping[str, float]  #: sensor -> largest limit, of sensors without any value; SI
     left_out: Mapping[str, int]  #: reason -> rows
 
@@ -54,6 +57,11 @@ class Group:
     def name(self) -> str:
         """Return what is compared, in words: "gyro x N"."""
         return f"{self.axis.replace('_', ' ')} {self.coefficient}".strip()
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Return the names of the sensors that have a value or a limit, by their numbers."""
+        return (*self.sensors, *self.further)
 
     @property
     def is_judged(self) -> bool:
@@ -146,10 +154,10 @@ def _group(table: pa.Table, key: tuple[str, ...], who: Integers, names: list[str
     for i in np.flatnonzero(limit & ~doubt & (who >= 0) & np.isfinite(upper)):
         if (name := names[who[i]]) not in mine:
             limits[name] = max(limits.get(name, 0.0), float(upper[i]))
-    logs = tuple(table["log"].take(pa.array(np.flatnonzero(kept))).to_pylist())
+    logs, limited_logs = (tuple(table["log"].take(pa.array(np.flatnonzero(of))).to_pylist()) for of in (kept, counted))
     return Group(
         kind, source, axis, coefficient, si, tuple(names[i] for i in used), logs, rows, value[kept], lower[kept], upper[kept], limited,
-        limits, left_out,
+        limited_logs, time[counted], tuple(names[i] for i in further), limits, left_out,
     )  # fmt: skip
 
 

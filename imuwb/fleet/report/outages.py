@@ -107,5 +107,5 @@ def _made(
     left_out = {UNKNOWN_SENSOR: logs.unknown} if logs.unknown else {}
     return Group(
         kind, source, "", what, si, tuple(names[i] for i in used), tuple(keys[i] for i in logs.log[rows]), own, value, lower, upper, Limits.none(),
-        {}, left_out,
+        (), np.zeros(0), (), {}, left_out,
     )  # fmt: skip

@@ -80,7 +80,7 @@ class FleetReport:
     planned: int  #: logs of the run
     count: int  #: logs in the tables; fewer than those of the run until it has ended
     owned: Owned  #: whose they are
-    sensors: int  #: that have a value
+    sensors: int  #: that have a value or a limit
     groups: tuple[Group, ...]
     judged: tuple[Judged, ...]
     silent: tuple[Group, ...]  #: groups that are not judged: their logs give limits, or one value
@@ -156,8 +156,8 @@ def fleet_report(
     judged = tuple(judgement.families[str(i)] for i in range(len(groups)))
     logs = _logs(tables["logs"])
     findings = sorted(_findings(groups, judgement), key=lambda one: -abs(one.score))
-    names = {name for group in groups if group.axis for name in group.sensors} or {
-        name for group in groups for name in group.sensors
+    names = {name for group in groups if group.axis for name in group.named} or {
+        name for group in groups for name in group.named
     }
     whose = owned(zip(tables["logs"]["vehicle"].to_pylist(), tables["logs"]["serial"].to_pylist(), strict=True))
     worthless = (*_quarantine(tables["quarantine"]), *(() if doubtful else _doubtful(tables["sensors"], logs)))
@@ -234,6 +234,14 @@ def _findings(groups: Sequence[Group], judgement: Judgement) -> Iterator[Finding
             typical = rows[int(np.abs(own.rows.y[rows] - own.sensors.mean[at]).argmin())]
             yield Finding(
                 group.sensors[one.sensor], OUTSIDE, place, one.sensor, one.score, one.probability, away, (group.logs[typical],)
+            )  # fmt: skip
+        for one in own.below:
+            rows = np.flatnonzero(group.limited.sensor == one.sensor)
+            lowest = rows[int(group.limited.upper[rows].argmin())]
+            away = float(group.limited.upper[lowest]) - own.mean.value
+            yield Finding(
+                group.named[one.sensor], OUTSIDE, place, one.sensor, one.score, one.probability, Estimate(away, -math.inf, away),
+                (group.limited_logs[lowest],)
             )  # fmt: skip
         for one in own.changes:
             logs = tuple(dict.fromkeys(group.logs[row] for row in one.rows))

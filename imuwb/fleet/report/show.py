@@ -8,7 +8,7 @@ import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Review, Table
 from imuwb.arrays import Booleans, Floats, Integers
-from imuwb.colors import BLUE, GREY, PALE, RED
+from imuwb.colors import BLUE, GREY, ORANGE, PALE, RED
 from imuwb.fleet.report.answer import believed, by_text
 from imuwb.fleet.report.groups import Group
 from imuwb.fleet.report.outages import DRIFT, RATIO
@@ -116,16 +116,14 @@ def _one(report: FleetReport, row: Row, review: Review) -> None:
     review.tab(name_of(f"{one.sensor} {one.kind}"))
     review.figure(over_time(report, one.group, one.number))
     group, judged = report.groups[one.group], report.judged[one.group]
-    rows = np.flatnonzero(judged.rows.sensor == one.number)
-    rows = rows[np.argsort(judged.rows.time[rows], kind="stable")]
     review.note(
         f"{one.sensor}: {one.kind}, {named(report, row.findings)}: {by_text(report, one)}; probability by chance {probability_text(one.probability)}."
     )
-    review.table(_logs(report, group, rows[:ROWS], one.sensor))
+    review.table(_logs(report, group, judged, one.number))
 
 
 def over_time(report: FleetReport, place: int, number: int) -> Figure:
-    """Return the values of all logs over time with the range of the family, and those of one sensor in front."""
+    """Return the values of all logs over time with the range of the family, and values and limits of one sensor in front."""
     group, judged = report.groups[place], report.judged[place]
     time = judged.rows.time
     dated = bool(np.isfinite(time).any())
@@ -133,22 +131,34 @@ def over_time(report: FleetReport, place: int, number: int) -> Figure:
     x = (time - start) / DAY if dated else np.arange(1.0, time.size + 1)
     own, order = judged.rows.sensor == number, np.argsort(x, kind="stable")
     mine, others = order[own[order]], _thinned(~own)
-    edge = np.array([float(np.nanmin(x)), float(np.nanmax(x))])
+    limited = (group.limited.sensor == number) & np.isfinite(group.limited_time) & dated
+    limit_at = (group.limited_time[limited] - start) / DAY
+    edge = np.array([np.nanmin([*x, *limit_at]), np.nanmax([*x, *limit_at])])
     margin = MARGIN * max(edge[1] - edge[0], 1.0)
     edge = edge + np.array([-margin, margin])
     factor = group.display.factor
-    sensor = group.sensors[number]
-    curves = (
-        _band(f"{100 * report.level:g} % of the family's logs", group, judged.log_range, edge),
-        Curve("all other sensors", x[others], group.value[others] / factor, GREY, style="points"),
-        Curve(sensor, x[mine], group.value[mine] / factor, RED, group.lower[mine] / factor, group.upper[mine] / factor),
-    )
+    sensor = group.named[number]
+    limit = np.exp(group.limited.upper[limited]) / factor
     inside = np.quantile(group.value / factor, MIDDLE)
     extent = _shown(group, np.array([judged.log_range.lower, judged.log_range.upper]))
-    limits = _limits(np.concatenate([group.lower[mine] / factor, group.upper[mine] / factor, extent, inside]))
+    limits = _limits(np.concatenate([group.lower[mine] / factor, group.upper[mine] / factor, extent, inside, limit]))
+    curves = [
+        _band(f"{100 * report.level:g} % of the family's logs", group, judged.log_range, edge),
+        Curve("all other sensors", x[others], group.value[others] / factor, GREY, style="points"),
+    ]
+    if mine.size:
+        curves.append(
+            Curve(
+                sensor, x[mine], group.value[mine] / factor, RED, group.lower[mine] / factor, group.upper[mine] / factor
+            )
+        )
+    if limit.size:
+        curves.append(
+            Curve(f"{sensor}: below", limit_at, limit, ORANGE, np.full(limit.size, limits[0]), limit, style="points")
+        )
     axis = f"days since {date_text(int(start * 1e9))} [d]" if dated else "logs, none of which has a date [1]"
     return Figure(
-        f"{sensor}: {what(group)} from log to log", axis, f"{group.coefficient} [{group.display.name}]", curves, (), "linear", "linear",
+        f"{sensor}: {what(group)} from log to log", axis, f"{group.coefficient} [{group.display.name}]", tuple(curves), (), "linear", "linear",
         x_limits=(float(edge[0]), float(edge[1])), y_limits=limits,
     )  # fmt: skip
 
@@ -199,18 +209,30 @@ def _findings(report: FleetReport, rows: Sequence[Row]) -> Table:
     )
 
 
-def _logs(report: FleetReport, group: Group, rows: Integers, sensor: str) -> Table:
-    cells: list[tuple[str, ...]] = []
-    for row in rows:
-        log = report.logs.get(group.logs[row])
-        value, low, high = (group.display.from_si(float(x[row])) for x in (group.value, group.lower, group.upper))
-        warm = None if log is None else log.temperature
-        text = f"{value:.4g} [{low:.4g}, {high:.4g}]"
-        cells.append((
-            date_text(None if log is None else log.start), text, "—" if warm is None else f"{warm:.1f}", report.see(group.logs[row]),
-        ))  # fmt: skip
+def _logs(report: FleetReport, group: Group, judged: Judged, number: int) -> Table:
+    """Return the values and limits of one sensor in the order of time."""
+    rows = np.flatnonzero(judged.rows.sensor == number)
+    ends = ([group.display.from_si(float(x[row])) for x in (group.value, group.lower, group.upper)] for row in rows)
+    found = [
+        (group.logs[row], f"{value:.4g} [{low:.4g}, {high:.4g}]")
+        for row, (value, low, high) in zip(rows, ends, strict=True)
+    ]
+    limits = [
+        (row, group.display.from_si(float(np.exp(group.limited.upper[row]))))
+        for row in np.flatnonzero(group.limited.sensor == number)
+    ]
+    found += [(group.limited_logs[row], f"< {limit:.4g}") for row, limit in limits]
+    logs = [(report.logs.get(key), key, text) for key, text in found]
+    logs.sort(key=lambda one: (one[0].start or 0) if one[0] is not None else 0)
+    cells = tuple(
+        (
+            date_text(None if log is None else log.start), text,
+            "—" if log is None or log.temperature is None else f"{log.temperature:.1f}", report.see(key),
+        )
+        for log, key, text in logs[:ROWS]
+    )  # fmt: skip
     headings = ("date", f"{group.coefficient} [{group.display.name}]", "temperature [°C]", "see the log")
-    return Table(f"Logs of {sensor}", headings, tuple(cells), wide=True)
+    return Table(f"Logs of {group.named[number]}", headings, cells, wide=True)
 
 
 def _families(report: FleetReport, review: Review) -> None:
@@ -251,7 +273,7 @@ def family_table(report: FleetReport) -> Table:
 
 def _logs_text(judged: Judged) -> str:
     values = str(int(judged.kept.sum()))
-    return f"{values} and {judged.limits} limits" if judged.limits else values
+    return f"{values} and {judged.limited} limits" if judged.limited else values
 
 
 def _range(group: Group, judged: Judged) -> str:

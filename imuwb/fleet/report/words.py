@@ -58,6 +58,8 @@ def size_text(group: Group, size: Estimate) -> str:
     if not group.observations.logarithmic:
         return estimate_text(size, group.display.name, group.display.factor)
     value, lower, upper = (math.exp(x) for x in (size.value, size.lower, size.upper))
+    if not lower:
+        return f"below {100 * value:.2g} % of the family's mean"
     if value >= 2:  # noqa: PLR2004 - from here on times are easier to read
         return f"{value:.3g} times [{lower:.3g}, {upper:.3g}]"
     digits = 1 if abs(value - 1) < SMALL else 0
@@ -101,9 +103,12 @@ def cell(group: Group, estimate: Estimate) -> str:
 def beyond(group: Group, judged: Judged) -> str:
     """Return beyond which values a sensor is out of family."""
     low, high = (end_in_si(group, end) / group.display.factor for end in judged.sensor_limits)
-    if not math.isfinite(high):
-        return "—"
-    return with_unit(f"below {low:.3g} or above {high:.3g}", group)
+    ends = [
+        f"{word} {end:.3g}"
+        for word, end, there in (("below", low, judged.sensor_limits[0]), ("above", high, judged.sensor_limits[1]))
+        if math.isfinite(there)
+    ]
+    return with_unit(" or ".join(ends), group) if ends else "—"
 
 
 def with_unit(text: str, group: Group) -> str:

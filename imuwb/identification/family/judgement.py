@@ -9,10 +9,10 @@ import numpy as np
 
 from imuwb.arrays import Booleans
 from imuwb.identification.family.changes import Change, changes
-from imuwb.identification.family.limits import Limits, joined, with_limits
-from imuwb.identification.family.members import FEWEST, Members, Outside, members, outside, trials
+from imuwb.identification.family.limits import Limits, contradicting, joined, with_limits
+from imuwb.identification.family.members import FEWEST, Members, Outside, members, outside, reach
 from imuwb.identification.family.observations import Observations
-from imuwb.identification.family.random_effects import random_effects
+from imuwb.identification.family.random_effects import RandomEffects, random_effects
 from imuwb.identification.family.spread import between_spread, spread_of, within_spread
 from imuwb.identification.family.tails import heavy_tails
 from imuwb.statistics import Coefficient, Estimate
@@ -47,12 +47,15 @@ class Judged:
     #: mean, and the interval that contains the mean of a further sensor with the level; where the spread has a limit only, with it
     sensor_range: Estimate
     log_range: Estimate  #: the same for a further log
-    #: beyond which a sensor is outside the family at the error of the fleet; infinite: too few sensors
+    #: beyond which the most distant sensor is outside the family at the error of the fleet; infinite: too few sensors, or none is
     sensor_limits: tuple[float, float]
     outside: tuple[Outside, ...]  #: of a family of ``FEWEST`` sensors or more
     changes: tuple[Change, ...]  #: each with its probability over the whole fleet
+    below: tuple[Outside, ...]  #: sensors that have limits only, far below the family
+    more: bool  #: whether more sensors may be outside than the search takes
     tails: float | None  #: probability that chance makes the tails of normal sensors so heavy; None: it cannot be told
-    limits: int  #: logs of which a limit counts
+    limited: int  #: logs of which a limit counts
+    contradicting: int  #: logs whose limit does not count, because the values of the same sensor make it improbable
 
     @property
     def found(self) -> frozenset[int]:
@@ -112,6 +115,8 @@ def judge(
         every = np.ones(rows.y.size, dtype=bool)
         states[name] = _State(rows, beside, every, every.copy(), [], [])
     _search(list(states.values()), error / KINDS, level)
+    for state in states.values():
+        _described(state, level)
     share = error / KINDS / max(len(families), 1)
     return Judgement(error, level, {name: _judged(s, slopes.get(name), share, level) for name, s in states.items()})
 
@@ -164,8 +169,12 @@ def _search(states: Sequence[_State], error: float, level: float) -> None:
 
 def _scan(state: _State, level: float) -> None:
     """Look at all sensors of a family that were not found to change."""
-    fit = random_effects(state.rows.of(state.kept & state.steady))
-    tested = state.kept & state.steady if fit.free[1] else np.zeros_like(state.kept)
+    rows = state.kept & state.steady
+    if not rows.any():
+        state.waiting = []
+        return
+    fit = random_effects(state.rows.of(rows))
+    tested = rows if fit.free[1] else np.zeros_like(rows)
     state.waiting = changes(state.rows, fit.within, fit.errors[1], level, tested)
 
 
@@ -178,36 +187,68 @@ def _take(state: _State, change: Change) -> None:
         state.steady[state.rows.sensor == change.sensor] = False
 
 
+def _described(state: _State, level: float) -> None:
+    """Describe the trends and steps that were found once more, now that the variance from log to log does not contain them."""
+    steady = state.kept & state.steady
+    names = [one.sensor for one in state.found if one.kind != "log"]
+    if not names or not steady.any():
+        return
+    fit = random_effects(state.rows.of(steady))
+    tested = state.kept & np.isin(state.rows.sensor, names)
+    again = {one.sensor: one for one in changes(state.rows, fit.within, fit.errors[1], level, tested)}
+    for place, one in enumerate(state.found):
+        new = again.get(one.sensor)
+        if one.kind != "log" and new is not None and new.kind != "log":
+            state.found[place] = replace(new, probability=one.probability)
+
+
 def _judged(state: _State, slope: Slope | None, error: float, level: float) -> Judged:
-    steady = state.rows.of(state.kept & state.steady)
-    fit, stand = with_limits(steady, state.limits, random_effects(steady))
+    steady = state.kept & state.steady
+    rows = state.rows.of(steady if steady.any() else state.kept)
+    plain = random_effects(rows)
+    limits = state.limits.of(~np.isin(state.limits.sensor, [one.sensor for one in state.found if one.kind != "log"]))
+    against = contradicting(rows, limits, plain)
+    fit, stand = with_limits(rows, limits.of(~against), plain)
     every = members(joined(state.rows.of(state.kept), stand), fit.within)
     known = every.sensor < state.rows.sensors
     enough = int(known.sum()) >= FEWEST
-    out, family = outside(every, error, known & enough)
-    left = ~np.isin(every.sensor, [one.sensor for one in out])
-    sensors, inside, seen = every.of(known), every.of(left), every.of(left & known)
-    mean, sigma = float(family.coefficients[0]), float(family.covariance[0, 0]) ** 0.5
-    count = inside.mean.size
-    t = student_limit(level, max(count - 1, 1))
-    typical = float(np.median(seen.variance))
-    own, sampling = family.between + sigma**2, float(np.median(steady.variance))
-    far = student_limit(1 - error / trials(every.mean.size), count - 1) * (own + typical) ** 0.5 if enough else np.inf
-    if stand.y.size:
-        between, within = (
-            spread_of(family.between, family.errors[0], level),
-            spread_of(fit.within, fit.errors[1], level),
-        )
-    else:
-        between = between_spread(inside, family.between, family.errors[0], level)
-        within = within_spread(steady, fit.within, fit.errors[1], level)
-    spread = family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
+    found = outside(every, error if enough else 0.0)
+    left = ~np.isin(every.sensor, [one.sensor for one in found.outside])
+    inside, seen = every.of(left), every.of(left & known)
+    mean, sigma = float(found.family.coefficients[0]), float(found.family.covariance[0, 0]) ** 0.5
+    t = student_limit(level, max(inside.mean.size - 1, 1))
+    between, within = _spreads(
+        inside if not stand.y.size else seen, rows, found.family, fit, level, limited=bool(stand.y.size)
+    )
+    spread = found.family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
+    sampling = float(np.median(rows.variance))
 
     def ranged(variance: float) -> Estimate:
         return Estimate(mean, mean - t * variance**0.5, mean + t * variance**0.5)
 
     return Judged(
-        state.rows, state.kept, slope, sensors, Estimate(mean, mean - t * sigma, mean + t * sigma, sigma), between, within,
-        ranged(spread + sigma**2), ranged(own + fit.within + sampling), (mean - far, mean + far), out, tuple(state.found),
-        heavy_tails(seen, family), int(stand.y.size),
+        rows=state.rows, kept=state.kept, slope=slope, sensors=every.of(known), mean=replace(ranged(sigma**2), sigma=sigma),
+        between=between, within=within, sensor_range=ranged(spread + sigma**2),
+        log_range=ranged(found.family.between + sigma**2 + fit.within + sampling),
+        sensor_limits=reach(inside, every.mean.size, error) if enough else (-np.inf, np.inf),
+        outside=tuple(one for one in found.outside if one.sensor < state.rows.sensors),
+        below=tuple(one for one in found.outside if one.sensor >= state.rows.sensors),
+        changes=tuple(state.found), more=found.more, tails=None if stand.y.size else heavy_tails(seen, found.family),
+        limited=int((~against).sum()), contradicting=int(against.sum()),
     )  # fmt: skip
+
+
+def _spreads(
+    sensors: Members, rows: Observations, family: RandomEffects, fit: RandomEffects, level: float, *, limited: bool
+) -> tuple[Coefficient, Coefficient]:
+    """Return the standard deviations between sensors and from log to log; where limits count, from the errors of the estimates."""
+    if limited:
+        typical = float(np.median(sensors.variance)), float(np.median(rows.variance))
+        return (
+            spread_of(family.between, family.errors[0], typical[0], level),
+            spread_of(fit.within, fit.errors[1], typical[1], level),
+        )
+    return (
+        between_spread(sensors, family.between, family.errors[0], level),
+        within_spread(rows, fit.within, fit.errors[1], level),
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,13 +11,17 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.family.observations import Observations
 from imuwb.identification.family.random_effects import RandomEffects, random_effects
 from imuwb.identification.family.scores import Errors, score
-from imuwb.statistics.distributions import normal_tails
+from imuwb.statistics.distributions import normal_tails, scipy
 
 FEWEST = 5  #: sensors, for a family
-SHARE, MOST = 0.1, 50  #: sensors that may be outside: a tenth, and never more than this
+SHARE = 0.3  #: of the sensors that may be outside
+FIRST = 50  #: steps of the search; it goes on as long as each finds one
 ENOUGH = 25  #: sensors from which on the search for several outside finds no more false ones than that for one (Rosner)
-NEAR = 2.5  #: score of the most distant sensor, below which none is outside
-CLOSER = 0.7  #: the same in a small family: share of the largest score that is possible there
+NEAR = (
+    2.5  #: distance from the median, in standard deviations by the median deviation, within which no sensor is outside
+)
+NORMAL_DEVIATION = 0.6745  #: median deviation of a standard normal variable
+DOUBLINGS = 40  #: of a distance, in the search for the one at which a sensor is outside
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,6 +38,14 @@ class Members:
         """Return some of the sensors."""
         return Members(self.sensor[rows], self.logs[rows], self.mean[rows], self.variance[rows], self.errors.of(rows))
 
+    def one(self, place: int) -> Members:
+        """Return one sensor."""
+        return self.of(np.arange(self.mean.size) == place)
+
+    def at(self, mean: float) -> Members:
+        """Return sensors with the same errors and another mean."""
+        return replace(self, mean=np.full_like(self.mean, mean))
+
     def family(self, start: RandomEffects | None = None) -> RandomEffects:
         """Return mean and spread of the sensors; ``start``: those of nearly the same sensors."""
         unknown, normal = np.full(self.mean.size, np.nan), np.full(self.mean.size, np.inf)
@@ -47,8 +60,17 @@ class Outside:
     """A sensor outside its family."""
 
     sensor: int
-    score: float  #: standard normal value that is as improbable in the family without it
+    score: float  #: standard normal value that is as improbable in the family without all that are outside
     probability: float  #: that chance puts any of the sensors so far out
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sorted:
+    """A family and the sensors outside it."""
+
+    outside: tuple[Outside, ...]
+    family: RandomEffects  #: without them
+    more: bool  #: whether the search ended at its bound: more sensors may be outside
 
 
 def members(rows: Observations, within: float) -> Members:
@@ -62,37 +84,73 @@ def members(rows: Observations, within: float) -> Members:
     return every.of(there)
 
 
-def outside(sensors: Members, error: float, known: Booleans | None = None) -> tuple[tuple[Outside, ...], RandomEffects]:
+def outside(sensors: Members, error: float) -> Sorted:
     """Return the sensors outside the family, and the family without them.
 
-    Up to a tenth of the sensors are taken away one after the other, each time the most improbable one, whose distance is compared
+    Up to three tenths of the sensors are taken away one after the other, each time the most improbable one, whose distance is compared
     with the predictive interval of those that are left (deleted residual). All up to the last significant one are outside, so that
     several do not hide each other (generalised extreme studentised deviate, Rosner, Technometrics 25, 1983). In a small family the
-    steps share the error. Without any sensor outside, a false one is found with at most about the probability ``error``.
-
-    Args:
-        sensors: of the family.
-        error: probability that a family without any sensor outside has one.
-        known: (k,) sensors that may be outside; None: all.
+    steps share the error. Without any sensor outside, a false one is found with at most about the probability ``error``; much more
+    seldom where the errors of the logs are larger than the spread.
     """
     family = sensors.family()
     left = np.ones(sensors.mean.size, dtype=bool)
-    found: list[tuple[Outside, RandomEffects]] = []
-    current = family
-    for _ in range(_most(left.size)):
-        places = np.flatnonzero(left)
-        distance = np.abs(_distances(sensors.of(left), current)) * (1.0 if known is None else known[left])
-        if distance.max() < _near(left.size, _most(left.size)):
-            break
-        worst = places[int(distance.argmax())]
+    taken: list[int] = []
+    last, best, most = 0, family, _most(left.size)
+    current, far = family, _from_median(sensors) >= NEAR
+    while len(taken) < most and (len(taken) < FIRST or last == len(taken)) and np.any(far & left):
+        distance = np.abs(_distances(sensors.of(left), current))
+        worst = int(np.flatnonzero(left)[int(distance.argmax())])
         left[worst] = False
+        taken.append(worst)
         others = sensors.of(left)
         current = others.family(current)
-        value = _new(sensors.of(np.arange(left.size) == worst), others, current)
-        chance = min(1.0, trials(left.size) * float(normal_tails(value)))
-        found.append((Outside(int(sensors.sensor[worst]), value, chance), current))
-    last = max((i + 1 for i, (one, _) in enumerate(found) if one.probability <= error), default=0)
-    return tuple(one for one, _ in found[:last]), found[last - 1][1] if last else family
+        value = _new(sensors.one(worst), others, current)
+        if trials(sensors.mean.size) * float(normal_tails(value)) <= error:
+            last, best = len(taken), current
+    inside = np.ones_like(left)
+    inside[taken[:last]] = False
+    return Sorted(tuple(_against(sensors, inside, best, taken[:last])), best, more=0 < last == most)
+
+
+def _against(sensors: Members, inside: Booleans, family: RandomEffects, taken: list[int]) -> Iterator[Outside]:
+    """Yield the sensors that were taken away, against the family of the others."""
+    for place in taken:
+        value = _new(sensors.one(place), sensors.of(inside), family)
+        chance = min(1.0, trials(inside.size) * float(normal_tails(value)))
+        yield Outside(int(sensors.sensor[place]), value, chance)
+
+
+def reach(sensors: Members, count: int, error: float) -> tuple[float, float]:
+    """Return beyond which means the most distant sensor of a family is outside; infinite on a side where none is.
+
+    It is compared with the family of the others, with errors like those of a typical sensor.
+
+    Args:
+        sensors: of the family, without those outside.
+        count: sensors with those outside.
+        error: as in ``outside``.
+    """
+    family = sensors.family()
+    worst = int(np.abs(_distances(sensors, family)).argmax())
+    others = sensors.of(np.arange(sensors.mean.size) != worst)
+    family = others.family(family)
+    typical = sensors.one(int(np.argsort(sensors.variance)[sensors.mean.size // 2]))
+    mean, sigma = float(family.coefficients[0]), (family.between + float(typical.variance[0])) ** 0.5
+
+    def allowed(away: float) -> float:
+        """Return how far from being improbable enough a sensor is at a distance from the mean."""
+        return trials(count) * float(normal_tails(_new(typical.at(mean + away), others, family))) - error
+
+    def end(side: float) -> float:
+        away = side * sigma
+        for _ in range(DOUBLINGS):
+            if allowed(away) < 0:
+                return mean + float(scipy.optimize.brentq(allowed, 0.0, away, rtol=1e-4))
+            away *= 2
+        return side * np.inf
+
+    return end(-1.0), end(1.0)
 
 
 def trials(count: int) -> int:
@@ -102,16 +160,13 @@ def trials(count: int) -> int:
 
 def _most(count: int) -> int:
     """Return how many of the sensors of a family may be outside."""
-    return min(int(np.ceil(SHARE * count)), MOST) if count >= FEWEST else 0
+    return int(np.ceil(SHARE * count)) if count >= FEWEST else 0
 
 
-def _near(count: int, most: int) -> float:
-    """Return the score of the most distant sensor, below which none is outside.
-
-    Sensors outside widen the spread by which they are measured: ``most`` of them, all equally far, have no larger score than
-    √((n - most) (n - 1) / (n most)), however far they are.
-    """
-    return min(NEAR, CLOSER * ((count - most) * (count - 1) / (count * most)) ** 0.5)
+def _from_median(sensors: Members) -> Floats:
+    """Return the distances of sensors from their median, which sensors outside do not widen: the search needs those far from it only."""
+    away = np.abs(sensors.mean - np.median(sensors.mean))
+    return away / np.maximum(np.median(away) / NORMAL_DEVIATION, np.sqrt(sensors.variance))
 
 
 def _distances(sensors: Members, family: RandomEffects) -> Floats:

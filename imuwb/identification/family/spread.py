@@ -8,10 +8,9 @@ from imuwb.arrays import Floats
 from imuwb.identification.family.members import Members
 from imuwb.identification.family.observations import Observations
 from imuwb.statistics import Coefficient
-from imuwb.statistics.distributions import chi_square_limits, chi_square_quantile, normal_quantile
+from imuwb.statistics.distributions import chi_square_quantile, normal_quantile
 
 DOUBLINGS, HALVINGS = 60, 60
-FEWEST = 8.0  #: degrees of freedom of a variance that is sure to be above 0: twice its error
 
 
 def between_spread(sensors: Members, value: float, error: float, level: float) -> Coefficient:
@@ -45,16 +44,30 @@ def within_spread(rows: Observations, value: float, error: float, level: float) 
     return _spread(statistic, repeated.y.size - count, value, error, level, float(np.var(rows.y)))
 
 
-def spread_of(value: float, error: float, level: float) -> Coefficient:
-    """Return a standard deviation from an estimated variance and its sampling variance, as a multiple of a chi-square variable.
+def spread_of(value: float, error: float, typical: float, level: float) -> Coefficient:
+    """Return a standard deviation from an estimated variance and its sampling variance; for rows that stand for limits.
 
-    For rows that stand for limits: their scatter says nothing beyond the estimate.
+    The sum of the variance and of a typical sampling variance is about a multiple of a chi-square variable, whose degrees of freedom
+    follow from the sampling variance.
+
+    Args:
+        value: estimated variance.
+        error: sampling variance of ``value``; 0: it is not estimated.
+        typical: sampling variance of a typical row.
+        level: of the interval.
     """
-    degrees = 2 * value**2 / error if error > 0 else 0.0
-    if degrees < FEWEST:
-        return Coefficient(None, None, (value + normal_quantile(level) * error**0.5) ** 0.5)
-    lower, upper = (float(factor) for factor in chi_square_limits(level, degrees))
-    return Coefficient(value**0.5, (value * lower) ** 0.5, (value * upper) ** 0.5)
+    if error <= 0:
+        return Coefficient(None, None, np.inf)
+    whole = value + typical
+    degrees = 2 * whole**2 / error
+    tail = (1 - level) / 2
+    lower, upper, limit = (
+        max(whole * degrees / float(chi_square_quantile(p, degrees)) - typical, 0.0)
+        for p in (1 - tail, tail, 1 - level)
+    )
+    if lower > 0 and value > 0:
+        return Coefficient(value**0.5, min(lower, value) ** 0.5, max(upper, value) ** 0.5)
+    return Coefficient(None, None, max(limit, value) ** 0.5)
 
 
 def _spread(

@@ -5,11 +5,12 @@ import pytest
 from scipy import optimize, stats
 
 from imuwb.identification.family import Limits, Observations, judge, random_effects
-from imuwb.identification.family.limits import with_limits
+from imuwb.identification.family.limits import matched, with_limits
 from tests.identification.family.test_family import rows_of
 
 SENSORS, LEVEL = 200, 0.95
-NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(80)
+NODES = np.linspace(-9, 9, 4001)
+WEIGHTS = stats.norm.pdf(NODES)
 
 
 def limited(rng, mean, between, error, where, logs=1):
@@ -41,11 +42,11 @@ def factor(x, where, share):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.4])
-@pytest.mark.parametrize("where", [-0.3, 0.1])
-def test_the_family_with_limits_is_that_of_the_exact_likelihood(share, where):
+@pytest.mark.parametrize("spread", [0.2, 0.5, 1.5])
+def test_the_family_with_limits_is_that_of_the_exact_likelihood(share, spread):
     rng = np.random.default_rng([1, round(10 * share)])
-    error = 0.1
-    sensor, y, below = limited(rng, 0.0, 0.4, error, where)
+    error, where = 0.1, -0.1
+    sensor, y, below = limited(rng, 0.0, spread, error, where)
     rows, limits = parts(sensor, y, below, error, where, share)
     fit, stand = with_limits(rows, limits, random_effects(rows))
 
@@ -55,7 +56,7 @@ def test_the_family_with_limits_is_that_of_the_exact_likelihood(share, where):
         one = np.log(WEIGHTS @ np.exp(factor(mean + between * NODES, where, share)) / WEIGHTS.sum())
         return -(there + below.sum() * one)
 
-    exact = optimize.minimize(loss, [0.0, np.log(0.4)], method="Nelder-Mead").x
+    exact = optimize.minimize(loss, [0.0, np.log(spread)], method="Nelder-Mead").x
     sigma = fit.covariance[0, 0] ** 0.5
     assert fit.coefficients[0] == pytest.approx(exact[0], abs=0.1 * sigma)
     assert fit.between**0.5 == pytest.approx(np.exp(exact[1]), rel=0.02)
@@ -76,6 +77,66 @@ def test_several_logs_of_a_sensor_share_what_is_its_own():
         return with_limits(rows, limits, start)[0].coefficients[0]
 
     assert start.coefficients[0] - mean(30) > 3 * abs(start.coefficients[0] - mean(lowest))
+
+
+def below(rows, sensor, ends):
+    count = len(ends)
+    return Limits(
+        np.full(count, sensor), np.array(ends), np.zeros(count), np.full(count, LEVEL), np.full(count, np.nan)
+    )
+
+
+@pytest.mark.parametrize("end", [-0.8, -2.0, -8.0])
+def test_a_sensor_with_limits_far_below_is_outside_and_hides_no_other(end):
+    rng = np.random.default_rng(6)
+    y = 0.05 * rng.standard_normal(30)
+    y[7] = 0.6
+    rows = rows_of(np.arange(30), y, 1e-4)
+    judged = judge({"N": rows}, limits={"N": below(rows, 30, [end])}).families["N"]
+    assert [one.sensor for one in judged.outside] == [7]
+    assert [one.sensor for one in judged.below] == [30]
+    assert judged.between.value == pytest.approx(0.05, rel=0.4)
+    assert (judged.limited, judged.sensors.sensor.max()) == (1, 29)
+
+
+def test_limits_far_below_the_values_of_the_same_sensor_do_not_count():
+    rng = np.random.default_rng(7)
+    sensor = np.repeat(np.arange(20), 5)
+    rows = rows_of(sensor, 0.05 * rng.standard_normal(20)[sensor] + 0.01 * rng.standard_normal(100), 1e-4)
+    plain = judge({"N": rows}).families["N"]
+    judged = judge({"N": rows}, limits={"N": below(rows, 4, [-1.0, 3.0])}).families["N"]
+    assert (judged.limited, judged.contradicting) == (1, 1)
+    assert judged.mean.value == pytest.approx(plain.mean.value, abs=1e-3)
+
+
+def test_spreads_that_are_not_estimated_have_no_bound_and_truncated_families_no_tails():
+    rng = np.random.default_rng(8)
+    y = 0.3 * rng.standard_normal(60)
+    rows = rows_of(np.arange(40), np.sort(y)[20:], 1e-3)
+    limits = Limits(
+        40 + np.arange(20), np.full(20, np.sort(y)[20]), np.zeros(20), np.full(20, LEVEL), np.full(20, np.nan)
+    )
+    judged = judge({"B": rows}, limits={"B": limits}).families["B"]
+    assert judged.within.upper == np.inf
+    assert judged.tails is None
+
+
+@pytest.mark.parametrize("sigma", [1e-3, 0.1, 0.8, 2.0])
+@pytest.mark.parametrize("mean", [-2.0, 0.0, 0.7])
+@pytest.mark.parametrize("share", [0.0, 0.4, 0.95])
+def test_an_observation_leaves_mean_and_variance_as_they_are(share, mean, sigma):
+    limits = Limits(np.array([0]), np.zeros(1), np.array([share]), np.array([LEVEL]), np.full(1, np.nan))
+    (precision,), (pull,) = matched(limits, np.array([mean]), np.array([sigma**2]))
+    x = np.union1d(np.linspace(mean - 12 * sigma, mean + 12 * sigma, 100_001), np.linspace(-6.0, 3.0, 100_001))
+    log = factor(x, 0.0, share) - (x - mean) ** 2 / (2 * sigma**2)
+    weight = np.exp(log - log.max()) * np.gradient(x)
+    first = weight @ x / weight.sum()
+    second = weight @ (x - first) ** 2 / weight.sum()
+    if second < sigma**2 * (1 - 1e-6):
+        assert 1 / (precision + sigma**-2) == pytest.approx(second, rel=0.02)
+        assert (pull + mean / sigma**2) / (precision + sigma**-2) == pytest.approx(first, abs=0.02 * second**0.5)
+    else:
+        assert precision < 1e-3 / sigma**2
 
 
 def test_a_limit_far_above_says_nothing_and_no_limits_change_nothing():
@@ -118,7 +179,7 @@ def test_a_judgement_counts_limits_at_one_temperature():
     plain, counted = (judge({"K": rows}, limits=one).families["K"] for one in (None, {"K": limits}))
     assert counted.slope is not None
     assert counted.slope.used
-    assert (plain.limits, counted.limits) == (0, count)
+    assert (plain.limited, counted.limited) == (0, count)
     assert counted.mean.value < plain.mean.value - 0.05
     assert counted.sensors.sensor.max() == number.max()
     assert limits.at(0.02, 25).upper == pytest.approx(-0.1)
