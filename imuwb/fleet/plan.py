@@ -35,10 +35,11 @@ def planned(logs: Sequence[Listed], rule: Rule, values: Iterable[tuple[str, obje
         values: of the options of the analysis and of the reading; texts may have ``{serial}``, ``{vehicle}`` and ``{family}``.
 
     Raises:
-        UsageError: the rule says nothing of any log.
+        UsageError: the rule says nothing of any log, does not tell some apart, or states a date that is none.
     """
     digests: dict[str, str] = {}
     values = tuple(values)
+    rule.check(logs)
     identities = [rule.of(log) for log in logs]
     if logs and all(identity == NOBODY for identity in identities) and (text := rule.nothing(logs[0])):
         raise UsageError(text)

@@ -288,6 +288,18 @@ def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
     assert "9 logs of 3 sensors" in again.out
 
 
+def test_rows_of_the_table_that_match_no_log_are_said(imuwb, loop, tmp_path, monkeypatch):
+    monkeypatch.chdir(loop)
+    table = tmp_path / "who.csv"
+    table.write_text("log,serial,date\nlogs/v0/s0/0.csv,A,2026-01-02\ngone.csv,B,\n")
+    listed = imuwb("fleet", "list", "logs", "--identities", table, "-o", tmp_path / "list.csv")
+    done = imuwb("fleet", "mean.py", "logs", "-o", tmp_path / "own", "--identities", table, "--workers", "0")
+    for text in (listed.out + listed.err, done.err):
+        assert "1 of 2 rows of" in text
+        assert "gone.csv" in text
+    assert "2026-01-02T00:00:00+00:00" in (tmp_path / "list.csv").read_text()
+
+
 @pytest.mark.parametrize(
     ("group", "about", "said"),
     [

@@ -12,7 +12,7 @@ from imuwb.fleet.listing import Listed, found
 from imuwb.fleet.plan import ordered, planned
 from imuwb.readers.stated import stated
 
-GROUP = r"(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/(?P<date>\d+)?[^/]*$"
+GROUP = r"(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/(?P<date>\d{8})?[^/]*$"
 
 
 @pytest.fixture
@@ -63,11 +63,21 @@ def test_a_group_states_whose_a_log_is():
 
 
 @pytest.mark.parametrize(
-    ("text", "seconds"), [("2026-01-02", 0), ("20260102_0304", 11040), ("2026-01-02T00:00:01Z", 1), ("spring", None)]
+    ("text", "seconds"),
+    [("2026-01-02", 0), ("20260102_0304", 11040), ("2026-01-02T00:00:01Z", 1), ("2026-01-02T01:00+01:00", 0)],
 )
 def test_dates(text, seconds):
-    date = Identity.of({"date": text}).date
-    assert date == (None if seconds is None else (1_767_312_000 + seconds) * 10**9)
+    assert Identity.of({"date": text}).date == (1_767_312_000 + seconds) * 10**9
+
+
+@pytest.mark.parametrize("text", ["spring", "31.12.2025", "2026-13-40", "0", "0001-01-01", "9999-12-31", "2026-02-30"])
+def test_a_date_that_is_none_is_refused_with_its_log_or_row(tmp_path, text):
+    with pytest.raises(UsageError, match=r"logs/0\.csv.*2026-01-02"):
+        ByGroup(r"(?P<date>.*) logs").of(log(f"{text} logs/0.csv"))
+    table = tmp_path / "who.csv"
+    table.write_text(f"log,date\na.csv,2026-01-02\nb.csv,{text}\n")
+    with pytest.raises(UsageError, match=r"row 3.*2026-01-02"):
+        ByTable(table)
 
 
 def test_a_table_states_whose_a_log_is(tmp_path):
@@ -80,6 +90,56 @@ def test_a_table_states_whose_a_log_is(tmp_path):
     table.write_text("log,serial\na.csv,A\na.csv,B\n")
     with pytest.raises(UsageError, match=r"a\.csv"):
         ByTable(table)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("log,serial,serial\na.csv,A,B\n", ["several columns", "serial"]),
+        ("log,serial,vehicle\nb.csv,B,v\na.csv,A\n", ["row 3", "2 fields", "3 columns"]),
+        ("log,serial\na.csv,A,v\n", ["row 2", "3 fields"]),
+        ("log,serial\n,A\n", ["row 2", "no log"]),
+        ("log,serial\nlogs/a.csv,A\n./logs/a.csv,B\n", ["row 3", "logs/a.csv", "differs"]),
+        ('log,serial\na.csv,"A\n', ["cannot be read"]),
+        ("", ["columns are none"]),
+    ],
+)
+def test_a_table_that_is_wrong_is_refused_with_the_row(tmp_path, text, words):
+    table = tmp_path / "who.csv"
+    table.write_text(text)
+    with pytest.raises(UsageError) as refused:
+        ByTable(table)
+    assert all(word in str(refused.value) for word in words), refused.value
+
+
+def test_a_row_names_one_log(tmp_path):
+    table = tmp_path / "who.csv"
+    table.write_text("log,serial\n0.csv,A\n")
+    logs = [log("logs/a/0.csv"), log("logs/b/0.csv")]
+    with pytest.raises(UsageError, match=r"row 2: 0\.csv fits 2 logs \(logs/a/0\.csv, logs/b/0\.csv\)"):
+        planned(logs, ByTable(table), ())
+    table.write_text("log,serial\n0.csv,A\nb/0.csv,B\n,\n")
+    assert [task.identity.serial for task in planned(logs, ByTable(table), ())] == ["A", "B"]
+    assert [task.identity.serial for task in planned(logs[:1], ByTable(table), ())] == ["A"]
+
+
+@pytest.mark.parametrize(
+    "form", ["./logs/x.csv", "logs//x.csv", "{}/logs/x.csv", "logs\\x.csv", "../{name}/logs/x.csv"]
+)
+def test_a_path_in_a_table_is_written_in_any_way(tmp_path, monkeypatch, form):
+    monkeypatch.chdir(tmp_path)
+    Path("who.csv").write_text(f"log,serial\n{form.format(tmp_path, name=tmp_path.name)},A\n")
+    rule = ByTable(Path("who.csv"))
+    assert rule.of(log("logs/x.csv")).serial == "A"
+    assert rule.of(log(str(tmp_path / "logs" / "x.csv"))).serial == "A"
+    assert rule.of(log("other/x.csv")) == NOBODY
+
+
+def test_rows_of_no_log_are_counted(tmp_path):
+    table = tmp_path / "who.csv"
+    table.write_text("log,serial\na.csv,A\nb.csv,B\nc.csv,C\n")
+    assert ByTable(table).unused([log("x/a.csv")]).startswith("2 of 3 rows of ")
+    assert not ByTable(table).unused([log("a.csv"), log("b.csv"), log("x/c.csv")])
 
 
 def test_a_log_states_whose_it_is(tmp_path):

@@ -3,12 +3,14 @@
 import csv
 import io
 from collections import Counter
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from imuwb.cli.fleet.options import OWNERS, PATTERNS, Owners
 from imuwb.cli.options import Force, output_option
 from imuwb.texts import counted
+from imuwb.units import UNIX_EPOCH
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
 FORMATS, FAULTS = 6, 2  #: that are shown
 PANELS = {"Owners": OWNERS}
-COLUMNS = ("log", "size", "format", "imus", "rate", "duration", "vehicle", "serial", "family", "fault")
+COLUMNS = ("log", "size", "format", "imus", "rate", "duration", "vehicle", "serial", "family", "date", "fault")
 
 
 def list_logs(
@@ -51,12 +53,17 @@ def list_logs(
 
     if output is not None:
         check_place(output, force=force)
-    tasks = planned(found(logs), rule_of(owners), ())
+    rule = rule_of(owners)
+    tasks = planned(found(logs), rule, ())
     known = list(triaged([task.log for task in tasks]))
     if output is not None:
         write_text(output, _csv(tasks, known))
     wrote = () if output is None else (str(output),)
-    print_panel(_answer(tasks, known), Origin("fleet list", tuple(logs), wrote=wrote), data=output is None)
+    print_panel(
+        _answer(tasks, known, rule.unused([task.log for task in tasks])),
+        Origin("fleet list", tuple(logs), wrote=wrote),
+        data=output is None,
+    )
 
 
 def _csv(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> str:
@@ -65,12 +72,13 @@ def _csv(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> str:
     table.writerow(COLUMNS)
     for task, one in zip(tasks, known, strict=True):
         who, log, imus = task.identity, one.log, " ".join(one.topics)
-        owner = who.vehicle, who.serial, who.family
+        date = None if who.date is None else (UNIX_EPOCH + timedelta(microseconds=who.date // 1000)).isoformat()
+        owner = who.vehicle, who.serial, who.family, date
         table.writerow((log.place, log.size, one.format, imus, one.rate, one.duration, *owner, one.fault))
     return text.getvalue()
 
 
-def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
+def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]", unused: str) -> "Answer":
     from imuwb.analysis import Answer  # noqa: PLC0415 - as above
     from imuwb.fleet.owned import owned  # noqa: PLC0415 - as above
     from imuwb.texts import bytes_text, duration_text  # noqa: PLC0415 - as above
@@ -87,6 +95,7 @@ def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     sentences = (
         f"{total}; {indexed}.",
         *whose.sentences(),
+        *filter(None, (unused,)),
         *[one.fault for one in known if one.fault][:FAULTS],
     )
     rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))

@@ -2,7 +2,7 @@
 
 from imuwb.cli.fleet.options import Owners
 from imuwb.errors import UsageError
-from imuwb.fleet.identity import ByGroup, ByMetadata, ByTable, Rule, Unknown
+from imuwb.fleet.identity import ByGroup, ByMetadata, ByTable, Rule
 
 
 def rule_of(owners: Owners) -> Rule:
@@ -18,4 +18,4 @@ def rule_of(owners: Owners) -> Rule:
         return ByGroup(owners.group)
     if owners.identities is not None:
         return ByTable(owners.identities)
-    return ByMetadata(owners.metadata) if owners.metadata is not None else Unknown()
+    return ByMetadata(owners.metadata) if owners.metadata is not None else Rule()

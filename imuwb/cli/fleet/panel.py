@@ -22,7 +22,9 @@ MOST = 4  #: faults that are named
 NOTHING = {"lacks data": MissingDataError, "unreadable": UnreadableLogError, "usage": UsageError}
 
 
-def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int) -> None:
+def print_ending(
+    state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int, unused: str = ""
+) -> None:
     """Print how many logs gave a result, the faults by kind with an example, and where the tables are.
 
     Args:
@@ -31,11 +33,12 @@ def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: 
         patterns: that were given.
         place: of the results.
         worked: logs that were worked on in this run.
+        unused: rows of the table of owners that are of no log, as a sentence; empty: none.
 
     Raises:
         ImuwbError: no log gave a result; the error is that of one log where all logs have the same kind of fault.
     """
-    answer = answer_of(state, store, place, worked)
+    answer = answer_of(state, store, place, worked, unused)
     wrote = tuple(file_of(name) for name in ("sensors", "outages", "logs", "quarantine"))
     print_panel(
         answer,
@@ -50,7 +53,7 @@ def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: 
         raise error(f"no log gave a result; {place.rstrip('/')}/{file_of('quarantine')} has the reason of each.{first}")
 
 
-def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
+def answer_of(state: RunState, store: Store, place: str, worked: int, unused: str = "") -> Answer:
     """Return the answer of a run; arguments as in ``print_ending``."""
     logs = _columns(store, "logs", ("vehicle", "serial"))
     faults = _columns(store, "quarantine", ("kind", "message", "path"))
@@ -61,7 +64,7 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
     sentences = [
         f"{state.done} of {counted(state.logs, 'log')} gave a result, {quarantined_text(state.quarantined)}: {faults_text(kinds)}."
     ]
-    sentences += whose.sentences()
+    sentences += [*whose.sentences(), *filter(None, (unused,))]
     if not worked:
         sentences.append("All of it was there: nothing was left to do.")
     about = f"{counted(state.logs, 'log')} of {whose.text}, {state.executor}"

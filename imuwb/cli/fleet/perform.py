@@ -103,7 +103,8 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
     state = _state(patterns, asked)
     before = None if asked.results.force else run_state(store, place)
     check_fits(state, before, place)
-    tasks = planned(found(patterns, place), rule_of(asked.owners), _values(asked))
+    rule = rule_of(asked.owners)
+    tasks = planned(found(patterns, place), rule, _values(asked))
     settings = Settings(
         asked.name, asked.source, asked.method, {f.name: getattr(asked.parameters, f.name) for f in fields(cast("Any", asked.parameters))},
         asked.part, asked.reading, tuple(asked.conditions.through), place, state.run,
@@ -129,7 +130,14 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
         raise
     finally:
         executor.close()
-    print_ending(_finish(run, replace(state, state="ended"), before), run.store, patterns, place, len(todo))
+    print_ending(
+        _finish(run, replace(state, state="ended"), before),
+        run.store,
+        patterns,
+        place,
+        len(todo),
+        rule.unused([task.log for task in tasks]),
+    )
 
 
 def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, *, look: bool) -> None:
