@@ -141,6 +141,17 @@ def test_a_sensor_whose_logs_give_limits_far_below_the_family_is_found_and_shown
     assert "&lt; " in (tmp_path / "page.html").read_text("utf-8")
 
 
+def test_the_mean_of_a_sensor_that_steps_has_the_interval_of_its_logs():
+    rows = rows_of(sensors=20, planted=False, outages=False, damaged=0)
+    for row in rows["sensors"]:
+        if (row["serial"], row["axis"], row["coefficient"]) == ("SN004", "gyro_x", "N") and row["log"][-1] in "34":
+            row.update({name: 3.0 * row[name] for name in ("value", "lower", "upper")})
+    found = {one.kind: one for one in report_of(rows).findings}
+    assert set(found) == {"steps", "out of family"}
+    assert math.log(3) in found["steps"].size
+    assert found["out of family"].size.lower < 0 < math.log(3) < found["out of family"].size.upper
+
+
 def test_a_third_of_a_family_far_outside_is_found_and_more_may_be():
     rows = rows_of(sensors=20, planted=False, outages=False, damaged=0)
     bad = {f"SN{number:03d}" for number in range(6)}

@@ -20,6 +20,7 @@ compute: Any = pc
 LEVEL = 0.95  #: of intervals of which nothing is stated
 LETTERS = "QNBKR"  #: coefficients whose squares are estimated
 LIMITED = "QNBK"  #: those of which a limit counts: that of a ramp has another likelihood
+EVEN = 0.5  #: probability of a limit, above which it says that the coefficient is below
 FEWEST = 2  #: values of a family that is judged
 LEAST = 0.25  #: share of values among values and limits, of a family that is judged
 SECOND = 1e9  #: ns
@@ -130,7 +131,7 @@ def _group(table: pa.Table, key: tuple[str, ...], who: Integers, names: list[str
     doubt = np.asarray(compute.equal(table["verdict"], SUSPICIOUS).fill_null(False)) & (not doubtful)
     limit = ~np.isfinite(value) | (logarithmic & ~(lower > 0) & np.isfinite(upper))
     sound = usable(value, lower, upper, logarithmic=logarithmic)
-    counted = limit & (coefficient in LIMITED) & np.isfinite(upper) & (upper > 0) & ~(value >= upper)
+    counted = limit & (coefficient in LIMITED) & (common > EVEN) & np.isfinite(upper) & (upper > 0) & ~(value >= upper)
     reasons = {
         UNKNOWN_SENSOR: who < 0, DOUBTFUL: doubt, OTHER_LEVEL: (level != common) & (counted | sound), LIMIT_ONLY: limit & ~counted,
         NO_INTERVAL: ~sound & ~counted,

@@ -251,9 +251,13 @@ def _findings(groups: Sequence[Group], judgement: Judgement) -> Iterator[Finding
 
 
 def member_mean(judged: Judged, place: int, level: float) -> Estimate:
-    """Return the mean of one sensor over its logs, on the scale of its group."""
+    """Return the mean of one sensor over its logs, on the scale of its group; of one that drifts or steps, as its logs scatter."""
     mean, sigma = float(judged.sensors.mean[place]), float(judged.sensors.variance[place]) ** 0.5
-    reach = student_limit(level, MANY) * sigma
+    freedom, sensor = MANY, judged.sensors.sensor[place]
+    if any(one.sensor == sensor and one.kind != "log" for one in judged.changes):
+        own = judged.rows.y[(judged.rows.sensor == sensor) & judged.kept]
+        freedom, sigma = own.size - 1.0, float(own.std(ddof=1)) / own.size**0.5
+    reach = student_limit(level, freedom) * sigma
     return Estimate(mean, mean - reach, mean + reach, sigma)
 
 
