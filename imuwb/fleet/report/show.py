@@ -154,7 +154,7 @@ def over_time(report: FleetReport, place: int, number: int) -> Figure:
         )
     if limit.size:
         curves.append(
-            Curve(f"{sensor}: below", limit_at, limit, ORANGE, np.full(limit.size, limits[0]), limit, style="points")
+            Curve(f"limits of {sensor}", limit_at, limit, ORANGE, np.full(limit.size, limits[0]), limit, style="points")
         )
     axis = f"days since {date_text(int(start * 1e9))} [d]" if dated else "logs, none of which has a date [1]"
     return Figure(
