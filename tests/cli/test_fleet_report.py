@@ -281,6 +281,7 @@ def test_heavy_tails_between_sensors_are_said_where_they_are_sure():
     heavy = replace(found, judged=(*found.judged[:-1], replace(found.judged[-1], tails=0.0)))
     name = found.groups[-1].name
     assert any(f"in {name} with heavier tails than normal ones" in one for one in answer(heavy).sentences)
+    assert ["more than 1 %" in answer(one).sentences[0] for one in (found, heavy)] == [False, True]
     unsure = replace(found, judged=tuple(replace(one, tails=0.5) for one in found.judged))
     assert not any("heavier tails" in one for one in answer(unsure).sentences)
 

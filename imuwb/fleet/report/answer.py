@@ -84,7 +84,8 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
 def _counted(report: FleetReport) -> str:
     """Return how many sensors have findings, and how sure this is."""
     out, changed, vehicles = found_sensors(report)
-    sure = f"chance alone finds one in {100 * report.error:g} % of fleets"
+    heavy = report.tails is not None and report.tails <= report.error
+    sure = f"chance alone finds one in {'more than ' if heavy else ''}{100 * report.error:g} % of fleets"
     few = (
         ""
         if any(map(_told, report.judged))
