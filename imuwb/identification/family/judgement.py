@@ -102,7 +102,7 @@ def judge(
             measured is in tests/studies/fleet_judgement.md.
         level: of the intervals.
         limits: name -> logs that give a limit only. They count in mean and spread of the family and in the means of the sensors, not in
-            changes.
+            changes; those of sensors that drift or step do not count.
     """
     slopes = _slopes(families, error / KINDS, level)
     states: dict[str, _State] = {}
@@ -217,9 +217,7 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     inside, seen = every.of(left), every.of(left & known)
     mean, sigma = float(found.family.coefficients[0]), float(found.family.covariance[0, 0]) ** 0.5
     t = student_limit(level, max(inside.mean.size - 1, 1))
-    between, within = _spreads(
-        inside if not stand.y.size else seen, rows, found.family, fit, level, limited=bool(stand.y.size)
-    )
+    between, within = _spreads(seen, rows, found.family, fit, level, limited=bool(stand.y.size))
     spread = found.family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
     sampling = float(np.median(rows.variance))
 
