@@ -13,6 +13,7 @@ from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import Outputs
 from imuwb.cli.page_files import PageFiles
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.fleet.own_files import results_of
 from imuwb.readers.bytes.address import Place
 from imuwb.readers.text.sidecar import sidecar_of
 from imuwb.writers import together
@@ -111,13 +112,17 @@ def check_places(files: Sequence[Path], logs: Sequence[Place], *, force: bool) -
                 f"{file} is the sidecar of {log}, which states how the log is read; give the output another name"
             )
         if file.resolve() in taken:
-            raise UsageError(f"{file} is a log that is read, or another output; give each output a different name")
+            raise UsageError(f"{file} is a file that is read, or another output; give each output a different name")
         taken.add(file.resolve())
         check_place(file, force=force)
 
 
 def check_place(file: Path, *, force: bool) -> None:
     """Check that a file can be written; errors as in ``check_places``."""
+    if (results := results_of(file)) is not None:
+        raise UsageError(
+            f"{file} is a file of the results of imuwb fleet in {results}, which no output replaces; give the output another name"
+        )
     if file.exists() and not force:
         raise UsageError(f"{file} exists; overwrite it with --force, or choose another name")
     parent = file.parent

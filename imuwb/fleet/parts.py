@@ -13,8 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from imuwb.fleet.listing import tag_of
+from imuwb.fleet.own_files import PARTS
 from imuwb.fleet.parquet import table_in
-from imuwb.fleet.schemas import LOGS, OUTAGES, PARTS, QUARANTINE, SENSORS
+from imuwb.fleet.schemas import LOGS, OUTAGES, QUARANTINE, SENSORS
 from imuwb.fleet.store import Store
 
 Row = dict[str, Any]

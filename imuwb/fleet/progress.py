@@ -5,7 +5,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass, field
 
-from imuwb.fleet.schemas import PROGRESS
+from imuwb.fleet.own_files import PROGRESS
 from imuwb.fleet.store import FolderStore, Store
 
 SECONDS_A_MINUTE, SECONDS_AN_HOUR = 60, 3600

@@ -2,11 +2,14 @@
 
 import json
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from imuwb.errors import UsageError
-from imuwb.fleet.schemas import RUN_JSON, SCHEMA
+from imuwb.fleet.own_files import RUN_JSON
+from imuwb.fleet.schemas import SCHEMA
 from imuwb.fleet.store import Store
+
+State = Literal["running", "interrupted", "ended"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +24,7 @@ class RunState:
     executor: str
     run: str
     level: float | None = None
-    state: Literal["running", "interrupted", "ended"] = "running"
+    state: State = "running"
     logs: int = 0
     done: int = 0
     quarantined: int = 0
@@ -33,12 +36,13 @@ class RunState:
         store.write(RUN_JSON, f"{json.dumps(asdict(self), indent=1, ensure_ascii=False)}\n".encode())
 
 
-def run_state(store: Store, place: str) -> RunState | None:
+def run_state(store: Store, place: str, *, reading: bool = False) -> RunState | None:
     """Return what was run into a folder of results; None: nothing.
 
     Args:
         store: of the results.
         place: for messages.
+        reading: whether the results are only read; messages then do not speak of options of a run.
 
     Raises:
         UsageError: the file is damaged, or of another version.
@@ -51,15 +55,38 @@ def run_state(store: Store, place: str) -> RunState | None:
         known = json.loads(content)
         schema = known["schema"]
         if schema == SCHEMA:
-            return RunState(**{f.name: known[f.name] for f in fields(RunState)})
+            return _checked(RunState(**{f.name: known[f.name] for f in fields(RunState)}))
     except (ValueError, KeyError, TypeError):
-        raise UsageError(
-            f"{where}: the file is damaged or of another program; give another folder, or --force to replace it"
-        ) from None
-    raise UsageError(
-        f"{where}: the results have the schema {str(schema)[:20]}, and this version of imuwb writes {SCHEMA}; give another folder, or --force to "
-        "replace the tables; the parts of the other version stay"
+        remedy = (
+            "run the fleet again into a new folder, or into this one with imuwb fleet ANALYSIS LOGS --force, which uses its parts"
+            if reading
+            else "give another folder, or --force to replace it"
+        )
+        raise UsageError(f"{where}: the file is damaged or of another program; {remedy}") from None
+    remedy = (
+        "run the fleet again into a new folder, or read the results with the version that wrote them"
+        if reading
+        else "give another folder, or --force to replace the tables; the parts of the other version stay"
     )
+    raise UsageError(
+        f"{where}: the results have the schema {str(schema)[:20]}, and this version of imuwb writes {SCHEMA}; {remedy}"
+    )
+
+
+def _checked(state: RunState) -> RunState:
+    """Return a state whose values are of their types.
+
+    Raises:
+        TypeError: one is not.
+    """
+    kinds: dict[type, tuple[object, ...]] = {
+        int: (state.logs, state.done, state.quarantined),
+        str: (state.imuwb, state.analysis, state.command, state.executor, state.run, state.digest),
+        dict: (state.params,), list: (state.inputs,), float: (state.level or 0.0,),
+    }  # fmt: skip
+    if any(type(one) is not kind for kind, own in kinds.items() for one in own) or state.state not in get_args(State):
+        raise TypeError
+    return state
 
 
 def check_fits(own: RunState, known: RunState | None, place: str) -> None:

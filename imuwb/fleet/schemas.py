@@ -26,7 +26,6 @@ SCHEMA = 1
 TABLE_KEY, SCHEMA_KEY = b"imuwb.table", b"imuwb.schema"  #: in the metadata of a file
 SOUND, SUSPICIOUS = "sound", "suspicious"  #: verdicts of a row of sensors
 DONE, QUARANTINED = "done", "quarantined"  #: states of a row of logs
-RUN_JSON, PROGRESS, PARTS = "run.json", "progress.jsonl", "parts"
 
 #: keys of run.json: schema (of the tables), imuwb (version), analysis (name with its method), params (of the analysis), command,
 #: inputs (the patterns), executor ("this process", "4 processes", "tcp://..."), run (name of the folder of parts), state ("running",

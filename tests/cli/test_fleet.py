@@ -288,6 +288,17 @@ def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
     assert "9 logs of 3 sensors" in again.out
 
 
+def test_the_list_replaces_no_input(imuwb, loop, tmp_path, monkeypatch):
+    monkeypatch.chdir(loop)
+    table = tmp_path / "who.csv"
+    table.write_text("log,serial\nlogs/v0/s0/0.csv,A\n")
+    before = Path("logs/v1/s1/1.csv").read_bytes(), table.read_bytes()
+    for output in ("logs/v1/s1/1.csv", table, "loop/logs.parquet"):
+        done = imuwb("fleet", "list", "logs", "--identities", table, "-o", output, "--force")
+        assert (done.code, str(output) in done.err) == (2, True), done.err
+    assert (Path("logs/v1/s1/1.csv").read_bytes(), table.read_bytes()) == before
+
+
 def test_rows_of_the_table_that_match_no_log_are_said(imuwb, loop, tmp_path, monkeypatch):
     monkeypatch.chdir(loop)
     table = tmp_path / "who.csv"

@@ -323,6 +323,42 @@ def test_a_serial_in_two_vehicles_is_one_sensor_and_is_said(imuwb, tmp_path):
     assert "Serial SN000 is in 3 vehicles" in done.out
 
 
+@pytest.mark.parametrize(
+    "name", ["run.json", "progress.jsonl", "logs.parquet", "parts/r/00/x.json", "../results/run.json", "../sheet.toml"]
+)
+def test_no_output_replaces_a_file_of_the_run_or_the_sheet(imuwb, tmp_path, name):
+    folder = write(tmp_path / "results", rows_of(**FEW))
+    (folder / "parts" / "r" / "00").mkdir(parents=True)
+    (tmp_path / "sheet.toml").write_text(SHEET, "utf-8")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    done = imuwb("fleet", "report", folder, "--force", "--check", "sheet.toml", "--json", folder / name)
+    assert (done.code, name.rpartition("/")[2] in done.err) == (2, True), done.err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_a_file_of_that_name_elsewhere_is_replaced(imuwb, tmp_path):
+    folder = write(tmp_path / "results", rows_of(**FEW))
+    for _ in range(2):
+        done = imuwb("fleet", "report", folder, "--force", "--json", "run.json")
+        assert done.code == 0, done.err
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"schema": 2}, "schema 2"),
+        ({"logs": "many"}, "damaged"),
+        ({"state": "odd"}, "damaged"),
+        ({"params": 1}, "damaged"),
+    ],
+)
+def test_bad_states_of_a_run_are_refused_without_an_option_that_does_not_help(imuwb, tmp_path, changed, said):
+    folder = write(tmp_path / "results", rows_of(**FEW), **changed)
+    done = imuwb("fleet", "report", folder)
+    assert (done.code, said in done.err, "run the fleet again" in done.err) == (2, True, True), done.err
+    assert "--force" not in done.err.replace("imuwb fleet ANALYSIS LOGS --force", "")
+
+
 def test_vehicles_are_not_called_sensors():
     rows = rows_of(**FEW)
     for table in rows.values():

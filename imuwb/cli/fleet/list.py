@@ -43,11 +43,12 @@ def list_logs(
     Example: imuwb fleet list 'logs/**/*.mcap' --group '(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]+$'
     """
     from imuwb.cli.fleet.owners import rule_of  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.places import check_place  # noqa: PLC0415
+    from imuwb.cli.places import check_place, check_places  # noqa: PLC0415
     from imuwb.cli.terminal import print_panel  # noqa: PLC0415
     from imuwb.fleet.listing import found  # noqa: PLC0415
     from imuwb.fleet.plan import planned  # noqa: PLC0415
     from imuwb.fleet.triage import triaged  # noqa: PLC0415
+    from imuwb.readers.bytes.address import place_of  # noqa: PLC0415
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
@@ -55,6 +56,9 @@ def list_logs(
         check_place(output, force=force)
     rule = rule_of(owners)
     tasks = planned(found(logs), rule, ())
+    if output is not None and output.exists():
+        inputs = [place_of(task.log.place) for task in tasks]
+        check_places([output], [*inputs, *filter(None, (owners.identities,))], force=force)
     known = list(triaged([task.log for task in tasks]))
     if output is not None:
         write_text(output, _csv(tasks, known))

@@ -96,7 +96,7 @@ def report(
 
         state, read = _read(results)
     files = [recording, *pages.files, *([document] if document else [])]
-    with reserved(files, [], force=force):
+    with reserved(files, [] if check is None else [check], force=force):
         found = fleet_report(state, read, error=error, level=level, doubtful=with_doubtful, options=_options(state))
         verdicts = against(found, wanted)
         text, said, origin, shown = _written(found, verdicts, results, recording, pages, document)
@@ -159,7 +159,7 @@ def _read(results: str) -> tuple[RunState, dict[str, pa.Table]]:
     from imuwb.fleet.tables import read_table  # noqa: PLC0415
 
     store = store_at(results)
-    state = run_state(store, results)
+    state = run_state(store, results, reading=True)
     if state is None:
         raise UsageError(
             f"{results}: there is no run.json, so this is no folder of results; imuwb fleet ANALYSIS LOGS -o {results} makes one"

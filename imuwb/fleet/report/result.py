@@ -7,7 +7,7 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -17,7 +17,7 @@ from imuwb.errors import MissingDataError
 from imuwb.fleet.owned import Owned, owned
 from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
 from imuwb.fleet.report.outages import outage_groups
-from imuwb.fleet.run_state import RunState
+from imuwb.fleet.run_state import RunState, State
 from imuwb.fleet.schemas import SUSPICIOUS
 from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
@@ -76,7 +76,7 @@ class FleetReport:
     error: float  #: probability that chance makes any finding
     level: float  #: of the intervals
     logs: Mapping[str, LogRow]  #: key -> log
-    state: Literal["running", "interrupted", "ended"]  #: of the run
+    state: State  #: of the run
     planned: int  #: logs of the run
     count: int  #: logs in the tables; fewer than those of the run until it has ended
     owned: Owned  #: whose they are
