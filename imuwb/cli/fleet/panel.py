@@ -68,15 +68,31 @@ def answer_of(state: RunState, store: Store, place: str, worked: int, unused: st
     if not worked:
         sentences.append("All of it was there: nothing was left to do.")
     about = f"{counted(state.logs, 'log')} of {whose.text}, {state.executor}"
+    compared = _compared(store)
+    if not compared and _results(state, store):
+        sentences.append("No log has a value with an interval, so imuwb fleet report has no family to judge.")
     report = Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift")
     return Answer(
-        about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if _results(state, store) else (),
+        about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if compared else (),
     )  # fmt: skip
 
 
 def _results(state: RunState, store: Store) -> bool:
     """Return whether any log gave a result; one with a fault in a part may."""
     return state.done > 0 or any(_columns(store, table, ("log",)) for table in ("sensors", "outages"))
+
+
+def _compared(store: Store) -> bool:
+    """Return whether the tables have a value with an interval, or an outage, which sensors and vehicles can be compared by."""
+    content = store.read(file_of("sensors"))
+    if content is not None:
+        table = table_in(content, ("value", "lower", "upper"))
+        if any(
+            all(cell is not None for cell in row)
+            for row in zip(*(table[name].to_pylist() for name in table.column_names), strict=True)
+        ):
+            return True
+    return bool(_columns(store, "outages", ("log",)))
 
 
 def _named(fault: dict[str, Any]) -> str:

@@ -97,7 +97,9 @@ def report(
         state, read = _read(results)
     files = [recording, *pages.files, *([document] if document else [])]
     with reserved(files, [] if check is None else [check], force=force):
-        found = fleet_report(state, read, error=error, level=level, doubtful=with_doubtful, options=_options(state))
+        found = fleet_report(
+            state, read, error=error, level=level, doubtful=with_doubtful, sheet=bool(wanted), options=_options(state)
+        )
         verdicts = against(found, wanted)
         text, said, origin, shown = _written(found, verdicts, results, recording, pages, document)
     # All files are written before the first line is printed: the program that reads the output may end at any time.

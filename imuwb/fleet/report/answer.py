@@ -16,6 +16,7 @@ from imuwb.identification.family import Judged
 from imuwb.identification.family.members import FEWEST
 from imuwb.names import distinct
 from imuwb.statistics import Coefficient, Estimate
+from imuwb.texts import counted
 
 MOST = 6  #: findings in the answer
 NAME = 14  #: columns of the name of a sensor
@@ -49,7 +50,10 @@ def by_text(report: FleetReport, finding: Finding) -> str:
 def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
     if report.unfinished:
         yield f"{report.unfinished[0].upper()}{report.unfinished[1:]}."
-    yield _counted(report)
+    if report.groups:
+        yield _counted(report)
+    else:
+        yield "No family is judged, and no sensor can be out of it: the logs give limits only, or one value."
     if report.owned.moved:
         yield report.owned.moved_text
     yield from _checked(verdicts)
@@ -134,7 +138,9 @@ def _checked(verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
     bad = {one.sensor for one in verdicts if one.sensor != FAMILY and one.verdict.outcome == "beyond"}
     listed = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
     kept = sum(one.verdict.outcome == "within" for one in family)
-    yield f"Data sheet: {listed}; the family keeps {kept} of {len(family)} limits, {len(bad)} sensors are beyond one."
+    keeps = f"the family keeps {kept} of {counted(len(family), 'limit')}, " if family else ""
+    beyond_one = "1 sensor is" if len(bad) == 1 else f"{len(bad)} sensors are"
+    yield f"Data sheet: {listed}; {keeps}{beyond_one} beyond one."
 
 
 def _worthless(report: FleetReport) -> Iterator[str]:
@@ -151,14 +157,14 @@ def _family(report: FleetReport) -> Iterator[str]:
         return
     place = max(places, key=lambda i: (len(report.groups[i].sensors), -i))
     group, own = report.groups[place], report.judged[place]
-    within = spread_text(group, own.within)
+    within, between = spread_text(group, own.within), spread_text(group, own.between)
+    differ = [
+        f"{who} differ by {text}" for who, text in (("sensors", between), ("logs of one sensor", within)) if text != "—"
+    ]
+    alone = ". Each has one log, so this includes changes from log to log" if differ and within == "—" else ""
     yield (
-        f"Family of {len(own.sensors.sensor)} sensors, {what(group)}: {cell(group, own.mean)}; sensors differ by {spread_text(group, own.between)}"
-        + (
-            f", logs of one sensor by {within}."
-            if within != "—"
-            else ". Each has one log, so this includes changes from log to log."
-        )
+        f"Family of {counted(len(own.sensors.sensor), 'sensor')}, {what(group)}: {cell(group, own.mean)}"
+        f"{'; ' if differ else ''}{', '.join(differ)}{alone}."
     )
 
 
@@ -178,7 +184,9 @@ def _outages(report: FleetReport) -> Iterator[str]:
         None,
     )
     sure = "" if ratio is None else f"; its sigma is {believed(ratio)}"
-    yield f"Outages, {group.source}: {cell(group, own.mean)}{sure}; vehicles differ by {spread_text(group, own.between)}."
+    between = spread_text(group, own.between)
+    differ = "" if between == "—" else f"; vehicles differ by {between}"
+    yield f"Outages, {group.source}: {cell(group, own.mean)}{sure}{differ}."
 
 
 def believed(ratio: Coefficient) -> str:

@@ -15,10 +15,18 @@ import pyarrow.compute as pc
 
 from imuwb.errors import MissingDataError
 from imuwb.fleet.owned import Owned, owned
-from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
+from imuwb.fleet.report.groups import (
+    DOUBTFUL,
+    LIMIT_ONLY,
+    NO_INTERVAL,
+    OTHER_LEVEL,
+    UNKNOWN_SENSOR,
+    Group,
+    sensor_groups,
+)
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState, State
-from imuwb.fleet.schemas import SUSPICIOUS
+from imuwb.fleet.schemas import DONE, SUSPICIOUS
 from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
@@ -28,6 +36,7 @@ compute: Any = pc
 OUTSIDE = "out of family"
 KINDS = {"trend": "drifts", "step": "steps", "log": "one log differs"}  #: of changes, in words
 MOST_EXPONENT = 700.0  #: of e, in a number of 64 bits
+_OTHERS = "an analysis of coefficients does, such as imuwb fleet noise"  #: that state intervals
 MANY = 1e6  #: degrees of freedom of a normal variable
 ORDER = "NBKQR"  #: of coefficients
 
@@ -129,6 +138,7 @@ def fleet_report(
     error: float = 0.01,
     level: float = 0.95,
     doubtful: bool = False,
+    sheet: bool = False,
     options: str = "",
 ) -> FleetReport:
     """Return what the tables of a fleet say.
@@ -139,23 +149,27 @@ def fleet_report(
         error: probability that chance makes any finding in a fleet without any such sensor.
         level: of the intervals.
         doubtful: whether values count that a remark puts in doubt.
+        sheet: whether a data sheet is given, which limits of logs can keep; then a report without any family is made of them.
         options: of the analysis, where they differ from the defaults, as words of a command.
 
     Raises:
-        MissingDataError: no sensor has a value.
+        MissingDataError: no sensor has a value, or there is no limit for the data sheet.
     """
     every = (*sensor_groups(tables["sensors"], doubtful=doubtful), *outage_groups(tables["outages"]))
     every = sorted(every, key=_place)
     groups = tuple(group for group in every if group.is_judged)
-    if not groups:
+    if not groups and not (sheet and any(group.limits or group.sensors for group in every)):
         raise MissingDataError(_nothing(every, state, tables))
-    judgement = judge(
-        {str(i): group.observations for i, group in enumerate(groups)}, error, level,
-        {str(i): group.limited for i, group in enumerate(groups)},
-    )  # fmt: skip
-    judged = tuple(judgement.families[str(i)] for i in range(len(groups)))
+    judged: tuple[Judged, ...] = ()
+    findings: list[Finding] = []
+    if groups:
+        judgement = judge(
+            {str(i): group.observations for i, group in enumerate(groups)}, error, level,
+            {str(i): group.limited for i, group in enumerate(groups)},
+        )  # fmt: skip
+        judged = tuple(judgement.families[str(i)] for i in range(len(groups)))
+        findings = sorted(_findings(groups, judgement), key=lambda one: -abs(one.score))
     logs = _logs(tables["logs"])
-    findings = sorted(_findings(groups, judgement), key=lambda one: -abs(one.score))
     names = {name for group in groups if group.axis for name in group.named} or {
         name for group in groups for name in group.named
     }
@@ -175,26 +189,29 @@ def _place(group: Group) -> tuple[object, ...]:
 
 
 def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.Table]) -> str:
-    """Return why there is nothing to judge."""
+    """Return why there is nothing to judge, and what can be done."""
+    logs = tables["logs"]
     counts: Counter[str] = sum((Counter(group.left_out) for group in groups), Counter())
     counts += Counter({LIMIT_ONLY: sum(group.limited.upper.size for group in groups)})
-    if not counts:
-        rows = sum(group.observations.y.size for group in groups)
-        if rows:
-            return (
-                f"each coefficient has one value only ({rows} in all); a fleet needs several logs, of several sensors"
-            )
-        return (
-            f"none of the {tables['logs'].num_rows} logs has a value with an interval ({tables['quarantine'].num_rows} rows of quarantine.parquet "
-            f"say why); imuwb fleet noise, for example, gives coefficients with intervals, {state.analysis} gave none"
-        )
     reasons = "; ".join(f"{reason}: {count} rows" for reason, count in counts.most_common())
-    remedy = (
-        "imuwb fleet takes --group, --identities or --metadata to know the sensors"
-        if "the sensor is not known" in counts
-        else "--with-doubtful counts values that a remark puts in doubt"
-    )
-    return f"no value can be judged ({reasons}); {remedy}"
+    sheet = ", and --check FILE.toml compares the limits with a data sheet" if any(one.limits for one in groups) else ""
+    remedies = {
+        UNKNOWN_SENSOR: "imuwb fleet takes --group, --identities or --metadata to know the sensors",
+        DOUBTFUL: "--with-doubtful counts values that a remark puts in doubt",
+        LIMIT_ONLY: f"longer logs show more{sheet}",
+        NO_INTERVAL: _OTHERS,
+        OTHER_LEVEL: "run all logs with one --level",
+    }
+    if counts:
+        return "; ".join(
+            [f"no value can be judged ({reasons})", *(text for reason, text in remedies.items() if counts[reason])]
+        )
+    if rows := sum(group.observations.y.size for group in groups):
+        return f"each coefficient has one value only ({rows} in all); a fleet needs several logs, of several sensors"
+    none = f"none of the {logs.num_rows} logs has a value with an interval"
+    if DONE not in logs["state"].to_pylist():
+        return f"{none}: all are in quarantine, and quarantine.parquet has the reason of each"
+    return f"{none}: {state.analysis} states none; {_OTHERS}"
 
 
 def _logs(table: pa.Table) -> dict[str, LogRow]:

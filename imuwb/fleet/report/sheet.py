@@ -5,6 +5,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from imuwb.fleet.report.groups import Group
 from imuwb.fleet.report.result import FleetReport, in_si, member_mean
 from imuwb.identification.family import Judged
@@ -45,11 +47,18 @@ def outcomes(verdicts: Sequence[SheetVerdict]) -> Counter[str]:
 
 
 def _stated(group: Group, judged: Judged | None, level: float) -> Iterator[tuple[str, Coefficient]]:
-    """Yield the family and each sensor with its value; of a group that is not judged, the sensors with the limits that their logs give."""
+    """Yield the family and each sensor with its value, and the limits of sensors without any; of a group that is not judged, the largest value of each."""
     if judged is not None:
         yield FAMILY, in_si(group, judged.mean)
         for place, number in enumerate(judged.sensors.sensor):
             yield group.sensors[number], in_si(group, member_mean(judged, place, level))
+    else:
+        for number, sensor in enumerate(group.sensors):
+            rows = np.flatnonzero(group.observations.sensor == number)
+            if rows.size:
+                at = rows[group.upper[rows].argmax()]
+                value, lower, upper = (float(end[at]) for end in (group.value, group.lower, group.upper))
+                yield sensor, Coefficient(value, lower, upper, group.unit)
     for sensor, limit in group.limits.items():
         yield sensor, Coefficient(None, None, limit, group.unit)
 

@@ -46,13 +46,15 @@ MIDDLE = (0.01, 0.99)  #: quantiles of the logs that a figure shows at least
 def draw(report: FleetReport, review: Review, verdicts: Sequence[SheetVerdict] = ()) -> None:
     """Show the report of a fleet."""
     rows = rows_of(report)
-    review.tab("Findings")
-    review.figure(sensors_figure(report, next((row.worst.group for row in rows if row.worst.kind == OUTSIDE), 0)))
+    if report.groups:
+        review.tab("Findings")
+        review.figure(sensors_figure(report, next((row.worst.group for row in rows if row.worst.kind == OUTSIDE), 0)))
     if rows:
         review.table(_findings(report, rows))
     for row in rows[:TABS]:
         _one(report, row, review)
-    _families(report, review)
+    if report.groups:
+        _families(report, review)
     if any(group.coefficient in (DRIFT, RATIO) for group in report.groups):
         review.tab("Outages")
         _outages(report, review)

@@ -1,0 +1,113 @@
+"""imuwb fleet and its report where the tables have limits only, or no intervals: what is said, what is suggested, and the sheet."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+from imuwb.cli.fleet.panel import answer_of
+from imuwb.fleet.report.answer import answer
+from imuwb.fleet.report.result import fleet_report
+from imuwb.fleet.report.sheet import FAMILY, SheetVerdict
+from imuwb.fleet.run_state import run_state
+from imuwb.fleet.store import store_at
+from imuwb.statistics import Coefficient
+from imuwb.stochastic.model_check import Limit, verdict
+from tests.fleet_results import rows_of, tables_of, write
+
+FEW = {"sensors": 6, "logs": 3, "planted": False, "outages": False, "damaged": 0}
+
+
+def limits_only(rows):
+    """Make each value a limit at its upper end."""
+    for row in rows["sensors"]:
+        row.update(value=None, lower=None)
+    return rows
+
+
+def without_intervals(rows):
+    for row in rows["sensors"]:
+        row.update(lower=None, upper=None)
+    return rows
+
+
+def without_rows(rows):
+    return {**rows, "sensors": []}
+
+
+def quarantined(rows):
+    for row in rows["logs"]:
+        row["state"] = "quarantined"
+    return {**rows, "sensors": []}
+
+
+def doubtful(rows):
+    for row in rows["sensors"]:
+        row.update(verdict="suspicious", remarks="SUSPICIOUS: moving")
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("made", "said", "unsaid"),
+    [
+        (limits_only, ["a limit only", "--check"], ["--with-doubtful", "quarantine"]),
+        (without_intervals, ["there is no interval", "imuwb fleet noise"], ["--with-doubtful", "quarantine"]),
+        (without_rows, ["none of the 18 logs", "noise states none"], ["quarantine", "--with-doubtful"]),
+        (quarantined, ["none of the 18 logs", "quarantine.parquet"], ["imuwb fleet noise", "--with-doubtful"]),
+        (doubtful, ["in doubt", "--with-doubtful"], ["--check", "imuwb fleet noise"]),
+    ],
+)
+def test_each_case_without_a_family_has_its_sentence(imuwb, tmp_path, made, said, unsaid):
+    done = imuwb("fleet", "report", write(tmp_path / "results", made(rows_of(**FEW))))
+    assert done.code == 3
+    assert all(text in done.err for text in said), done.err
+    assert not any(text in done.err for text in unsaid), done.err
+
+
+@pytest.mark.parametrize(
+    ("made", "suggested"), [(dict, True), (limits_only, False), (without_intervals, False), (without_rows, False)]
+)
+def test_a_report_is_suggested_only_where_it_has_something_to_compare(tmp_path, made, suggested):
+    store = store_at(str(write(tmp_path / "results", made(rows_of(**FEW)))))
+    said = answer_of(run_state(store, ""), store, "results", 1)
+    assert [step.command for step in said.next] == ["imuwb fleet report results"] * suggested
+    assert any("no family to judge" in one for one in said.sentences) is not suggested
+
+
+@pytest.mark.parametrize(("at_most", "code", "outcome"), [("0.5 deg/√h", 0, "within"), ("0.01 deg/√h", 1, "not sure")])
+def test_limits_of_logs_can_keep_a_sheet(imuwb, tmp_path, at_most, code, outcome):
+    folder = write(tmp_path / "results", limits_only(rows_of(**FEW)))
+    (tmp_path / "sheet.toml").write_text(f'[gyro_x]\nN = "{at_most}"\n', "utf-8")
+    done = imuwb("fleet", "report", folder, "--check", "sheet.toml", "--json", "-", "--html", "fleet.html")
+    assert done.code == code, done.err
+    result = json.loads(done.out)["result"]
+    assert {one["outcome"] for one in result["verdicts"]} == {outcome}
+    assert (len(result["verdicts"]), result["families"]) == (6, [])
+    assert "No family is judged" in done.err
+    assert "outcome" not in done.err
+    (tmp_path / "other.toml").write_text('[gyro_z]\nN = "1 deg/√h"\n', "utf-8")
+    assert imuwb("fleet", "report", folder, "--check", "other.toml", "--force").code == 1
+
+
+def test_a_value_among_limits_is_held_against_the_sheet(imuwb, tmp_path):
+    rows = rows_of(**FEW)
+    kept = next(
+        row for row in rows["sensors"] if (row["axis"], row["coefficient"]) == ("gyro_x", "N") and row["headline"]
+    )
+    value = kept["value"], kept["lower"]
+    limits_only(rows)
+    kept["value"], kept["lower"] = value
+    (tmp_path / "sheet.toml").write_text('[gyro_x]\nN = "0.01 deg/√h"\n', "utf-8")
+    done = imuwb("fleet", "report", write(tmp_path / "results", rows), "--check", "sheet.toml", "--json", "-")
+    outcomes = {one["sensor"]: one["outcome"] for one in json.loads(done.out)["result"]["verdicts"]}
+    assert (done.code, outcomes["SN000"], outcomes["SN001"]) == (1, "beyond", "not sure"), done.err
+
+
+def test_one_of_a_kind_is_in_the_singular():
+    state = SimpleNamespace(analysis="noise", command="", state="ended", logs=4)
+    found = fleet_report(state, tables_of(rows_of(**FEW | {"sensors": 1, "logs": 4, "outages": True})))
+    one = verdict(Limit("gyro_x", "N", 1e-9), Coefficient(1.0, 0.9, 1.1))
+    said = " ".join(answer(found, [SheetVerdict("a", "S", one), SheetVerdict("a", FAMILY, one)]).sentences)
+    assert "Family of 1 sensor," in said
+    assert "1 sensor is beyond one" in said
+    assert "differ by —" not in said
