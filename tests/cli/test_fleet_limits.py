@@ -111,3 +111,27 @@ def test_one_of_a_kind_is_in_the_singular():
     assert "Family of 1 sensor," in said
     assert "1 sensor is beyond one" in said
     assert "differ by —" not in said
+
+
+def test_differences_and_limits_of_the_json_have_a_unit(imuwb, tmp_path):
+    rows = rows_of(sensors=20, damaged=0, logs=5)
+    (tmp_path / "sheet.toml").write_text('[gyro_x]\nN = "0.3 deg/√h"\n', "utf-8")
+    done = imuwb("fleet", "report", write(tmp_path / "results", rows), "--json", "-", "--check", "sheet.toml")
+    result = json.loads(done.out)["result"]
+    assert {one["size"]["unit"] for one in result["findings"]} == {"ln"}
+    assert {one[name]["unit"] for one in result["families"] for name in ("between_sensors", "from_log_to_log")} == {
+        "ln"
+    }
+    assert "ln/°C" in {one["per_degree"]["per_degree"]["unit"] for one in result["families"] if one["per_degree"]}
+    assert {one["unit"] for one in result["verdicts"]} == {"rad/s/√Hz"}
+
+
+@pytest.mark.parametrize(("state", "said"), [("ended", "of another run"), ("running", "being written")])
+@pytest.mark.parametrize("table", ["sensors", "outages", "quarantine"])
+def test_a_table_of_another_run_is_refused(imuwb, tmp_path, table, state, said):
+    folder = write(tmp_path / "results", rows_of(**FEW), state=state)
+    rows = rows_of(**FEW | {"sensors": 7, "outages": True, "damaged": 2})
+    other = write(tmp_path / "other", rows)
+    (folder / f"{table}.parquet").write_bytes((other / f"{table}.parquet").read_bytes())
+    done = imuwb("fleet", "report", folder)
+    assert (done.code, f"{table}.parquet" in done.err, said in done.err) == (2, True, True), done.err

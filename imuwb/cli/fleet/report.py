@@ -152,7 +152,7 @@ def _read(results: str) -> tuple[RunState, dict[str, pa.Table]]:
     """Return what was run, and its tables.
 
     Raises:
-        UsageError: the folder has no results, or those of another version, or a table lacks columns.
+        UsageError: the folder has no results, or those of another version, or a table lacks columns or is of another run.
         MissingDataError: the run has not ended.
     """
     from imuwb.fleet.run_state import run_state  # noqa: PLC0415 - help must not wait
@@ -172,7 +172,28 @@ def _read(results: str) -> tuple[RunState, dict[str, pa.Table]]:
         raise MissingDataError(
             f"{results}: {', '.join(missing)}: not there, the run is {state.state}; the same imuwb fleet command goes on and writes them"
         )
-    return state, {name: table for name, table in tables.items() if table is not None}
+    found = {name: table for name, table in tables.items() if table is not None}
+    _check_same_run(state, found, results)
+    return state, found
+
+
+def _check_same_run(state: RunState, tables: dict[str, pa.Table], results: str) -> None:
+    """Raise UsageError if a table has a log that the table of logs lacks: it is of another run, or is just being written."""
+    from imuwb.fleet.schemas import file_of  # noqa: PLC0415 - as above
+
+    for name, column in (("sensors", "log"), ("outages", "log"), ("quarantine", "path")):
+        known = set(tables["logs"][column].unique().to_pylist())
+        foreign = [log for log in tables[name][column].unique().to_pylist() if log not in known]
+        if foreign:
+            why = (
+                "it is a table of another run; the imuwb fleet command of this run, with --force, writes all tables anew"
+                if state.state == "ended"
+                else "the tables are being written, or their run was killed; wait, or give the same imuwb fleet command again"
+            )
+            raise UsageError(
+                f"{results.rstrip('/')}/{file_of(name)}: {len(foreign)} of its logs {'is' if len(foreign) == 1 else 'are'} not in logs.parquet "
+                f"(the first: {foreign[0]}), so {why}"
+            )
 
 
 def _written(
