@@ -13,7 +13,7 @@ A folder of results, on a disk or in an object store, has
   of the size and time of a file, or of the size and tag of an object, CONTENT one of the bytes of the log, and CC its first letters.
 
 All values are in SI units (temperatures in °C); ``unit`` names the unit of the three numbers of a row. A text of a log is cleaned
-of controls. The rows of a table are in a fixed order (``ORDER``), so the same logs give the same bytes. The file of a table states
+of controls; a path is as it can be opened, and whoever shows it cleans it. The rows of a table are in a fixed order (``ORDER``), so the same logs give the same bytes. The file of a table states
 its name and ``SCHEMA`` in its metadata, as ``imuwb.table`` and ``imuwb.schema``. A reader must accept further columns; a column
 that changes or goes away raises ``SCHEMA``.
 """

@@ -115,7 +115,11 @@ def _add(rows: dict[str, list[Row]], entry: Entry, part: Part | None, seen: dict
     part = part or Part()
     key = part.log.get("log")
     if not part.quarantine and key and (first := seen.setdefault(f"{key} {task.options}", path)) != path:
-        fault = {"stage": "triage", "kind": "duplicate", "message": f"it has the same bytes as {first}, which counts"}
+        fault = {
+            "stage": "triage",
+            "kind": "duplicate",
+            "message": f"it has the same bytes as {printable(first)}, which counts",
+        }
         part = Part(part.log)
     faults = [*part.quarantine, *([] if fault is None else [{"log": key, **fault}])]
     date = task.identity.date
@@ -139,7 +143,9 @@ def _dated(row: Row, date: int | None) -> Row:
 
 
 def _path(place: str) -> str:
-    return printable(str(place_of(place)) if is_address(place) else without_secrets(place))
+    """Return the place of a log as it can be opened again, without secrets; what is no UTF-8 becomes a question mark."""
+    path = str(place_of(place)) if is_address(place) else without_secrets(place)
+    return path.encode("utf-8", "replace").decode("utf-8")
 
 
 def _chunks(entries: Sequence[Entry], size: int) -> Iterator[Sequence[Entry]]:

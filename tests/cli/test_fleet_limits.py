@@ -1,8 +1,13 @@
 """imuwb fleet and its report where the tables have limits only, or no intervals: what is said, what is suggested, and the sheet."""
 
 import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
+import pyarrow.parquet as pq
 import pytest
 
 from imuwb.cli.fleet.panel import answer_of
@@ -35,6 +40,12 @@ def without_rows(rows):
     return {**rows, "sensors": []}
 
 
+def without_headlines(rows):
+    for row in rows["sensors"]:
+        row["headline"] = False
+    return rows
+
+
 def quarantined(rows):
     for row in rows["logs"]:
         row["state"] = "quarantined"
@@ -53,6 +64,7 @@ def doubtful(rows):
         (limits_only, ["a limit only", "--check"], ["--with-doubtful", "quarantine"]),
         (without_intervals, ["there is no interval", "imuwb fleet noise"], ["--with-doubtful", "quarantine"]),
         (without_rows, ["none of the 18 logs", "noise states none"], ["quarantine", "--with-doubtful"]),
+        (without_headlines, ["none of the 18 logs", "headline"], ["quarantine", "--with-doubtful", "states none"]),
         (quarantined, ["none of the 18 logs", "quarantine.parquet"], ["imuwb fleet noise", "--with-doubtful"]),
         (doubtful, ["in doubt", "--with-doubtful"], ["--check", "imuwb fleet noise"]),
     ],
@@ -65,7 +77,8 @@ def test_each_case_without_a_family_has_its_sentence(imuwb, tmp_path, made, said
 
 
 @pytest.mark.parametrize(
-    ("made", "suggested"), [(dict, True), (limits_only, False), (without_intervals, False), (without_rows, False)]
+    ("made", "suggested"),
+    [(dict, True), (limits_only, False), (without_intervals, False), (without_rows, False), (without_headlines, False)],
 )
 def test_a_report_is_suggested_only_where_it_has_something_to_compare(tmp_path, made, suggested):
     store = store_at(str(write(tmp_path / "results", made(rows_of(**FEW)))))
@@ -135,3 +148,26 @@ def test_a_table_of_another_run_is_refused(imuwb, tmp_path, table, state, said):
     (folder / f"{table}.parquet").write_bytes((other / f"{table}.parquet").read_bytes())
     done = imuwb("fleet", "report", folder)
     assert (done.code, f"{table}.parquet" in done.err, said in done.err) == (2, True, True), done.err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="names of files have no controls there")
+@pytest.mark.parametrize("name", ["n\x1bl", "it's\nx", "a\\b", "é \u202e"])
+def test_the_path_of_a_log_can_be_opened_again(imuwb, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    place = Path("logs", name, "0.csv")
+    place.parent.mkdir(parents=True)
+    place.write_text("no log")
+    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0")
+    assert (done.code, "\x1b" in done.err) == (4, False)
+    (path,) = pq.read_table("results/logs.parquet")["path"].to_pylist()
+    assert Path(path).read_text() == "no log"
+    rows = rows_of(**FEW)
+    for row in rows["logs"]:
+        row["path"] = path
+    see = fleet_report(SimpleNamespace(analysis="noise", command="", state="ended", logs=18), tables_of(rows)).see(
+        "sha256:00000000"
+    )
+    assert see.isprintable()
+    shell = [shutil.which("bash") or pytest.skip("there is no bash"), "-c"]
+    word = subprocess.run([*shell, f"printf %s {see.removeprefix('imuwb noise ')}"], capture_output=True, check=True)
+    assert word.stdout.decode() == path

@@ -15,7 +15,7 @@ from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import file_of
 from imuwb.fleet.store import Store
 from imuwb.review.answers.panel import Origin
-from imuwb.texts import counted
+from imuwb.texts import counted, printable
 
 MOST = 4  #: faults that are named
 #: kind of the faults of all logs -> error
@@ -70,7 +70,7 @@ def answer_of(state: RunState, store: Store, place: str, worked: int, unused: st
     about = f"{counted(state.logs, 'log')} of {whose.text}, {state.executor}"
     compared = _compared(store)
     if not compared and _results(state, store):
-        sentences.append("No log has a value with an interval, so imuwb fleet report has no family to judge.")
+        sentences.append("No log has a headline value with an interval, so imuwb fleet report has no family to judge.")
     report = Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift")
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if compared else (),
@@ -83,20 +83,18 @@ def _results(state: RunState, store: Store) -> bool:
 
 
 def _compared(store: Store) -> bool:
-    """Return whether the tables have a value with an interval, or an outage, which sensors and vehicles can be compared by."""
+    """Return whether the tables have a headline value with an interval, or an outage, which sensors and vehicles can be compared by."""
     content = store.read(file_of("sensors"))
     if content is not None:
-        table = table_in(content, ("value", "lower", "upper"))
-        if any(
-            all(cell is not None for cell in row)
-            for row in zip(*(table[name].to_pylist() for name in table.column_names), strict=True)
-        ):
+        table = table_in(content, ("value", "lower", "upper", "headline"))
+        columns = (table[name].to_pylist() for name in table.column_names)
+        if any(None not in row[:3] and row[3] is not False for row in zip(*columns, strict=True)):
             return True
     return bool(_columns(store, "outages", ("log",)))
 
 
 def _named(fault: dict[str, Any]) -> str:
-    return f"{PurePosixPath(fault['path']).name}: {fault['message']}"
+    return printable(f"{PurePosixPath(fault['path']).name}: {fault['message']}")
 
 
 def _columns(store: Store, table: str, columns: Sequence[str]) -> list[dict[str, Any]]:

@@ -180,6 +180,7 @@ def _read(results: str) -> tuple[RunState, dict[str, pa.Table]]:
 def _check_same_run(state: RunState, tables: dict[str, pa.Table], results: str) -> None:
     """Raise UsageError if a table has a log that the table of logs lacks: it is of another run, or is just being written."""
     from imuwb.fleet.schemas import file_of  # noqa: PLC0415 - as above
+    from imuwb.texts import printable  # noqa: PLC0415 - as above
 
     for name, column in (("sensors", "log"), ("outages", "log"), ("quarantine", "path")):
         known = set(tables["logs"][column].unique().to_pylist())
@@ -192,7 +193,7 @@ def _check_same_run(state: RunState, tables: dict[str, pa.Table], results: str) 
             )
             raise UsageError(
                 f"{results.rstrip('/')}/{file_of(name)}: {len(foreign)} of its logs {'is' if len(foreign) == 1 else 'are'} not in logs.parquet "
-                f"(the first: {foreign[0]}), so {why}"
+                f"(the first: {printable(str(foreign[0]))}), so {why}"
             )
 
 

@@ -31,6 +31,7 @@ from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import student_limit
+from imuwb.texts import printable
 
 compute: Any = pc
 OUTSIDE = "out of family"
@@ -128,7 +129,17 @@ class FleetReport:
         """Return the command that makes the recording of a log."""
         log = self.logs.get(key)
         path = log.path if log else key
-        return f"imuwb {self.analysis} {shlex.quote(path)} {self.options}".rstrip()
+        return f"imuwb {self.analysis} {_word(path)} {self.options}".rstrip()
+
+
+def _word(path: str) -> str:
+    r"""Return a path as a word of a command that can be shown: bytes that cannot be are ``$'\x1b'``, as the shells bash and zsh read them."""
+    if printable(path) == path:
+        return shlex.quote(path)
+    letters = (
+        c if printable(c) == c and c not in "'\\" else "".join(f"\\x{byte:02x}" for byte in c.encode()) for c in path
+    )
+    return f"$'{''.join(letters)}'"
 
 
 def fleet_report(
@@ -211,6 +222,8 @@ def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.T
     none = f"none of the {logs.num_rows} logs has a value with an interval"
     if DONE not in logs["state"].to_pylist():
         return f"{none}: all are in quarantine, and quarantine.parquet has the reason of each"
+    if tables["sensors"].num_rows:
+        return f"{none} that an error model takes: {state.analysis} marks no value of its findings as the headline"
     return f"{none}: {state.analysis} states none; {_OTHERS}"
 
 
