@@ -232,6 +232,8 @@ class ByMetadata(Rule):
         pairs = [part.partition("=") for part in text.split(",")]
         self._keys = {name.strip(): key.strip() for name, _, key in pairs}
         self.text = text
+        if len(self._keys) < len(pairs):
+            raise UsageError(f"--metadata {text}: it has one part twice; give each of {', '.join(PARTS)} once at most")
         if set(self._keys) - set(PARTS) or not all(self._keys.values()):
             raise UsageError(
                 f"--metadata {text}: write a key of the log for each of {', '.join(PARTS)}, as in serial=KEY,vehicle=KEY"

@@ -82,7 +82,7 @@ def _checked(state: RunState) -> RunState:
     kinds: dict[type, tuple[object, ...]] = {
         int: (state.logs, state.done, state.quarantined),
         str: (state.imuwb, state.analysis, state.command, state.executor, state.run, state.digest),
-        dict: (state.params,), list: (state.inputs,), float: (state.level or 0.0,),
+        dict: (state.params,), list: (state.inputs,),
     }  # fmt: skip
     if any(type(one) is not kind for kind, own in kinds.items() for one in own) or state.state not in get_args(State):
         raise TypeError

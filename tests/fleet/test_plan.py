@@ -153,6 +153,11 @@ def test_a_log_states_whose_it_is(tmp_path):
     assert ByMetadata("serial=imu.serial,vehicle=car").of(log(str(path))) == Identity(None, "S7")
 
 
+def test_metadata_that_state_a_part_twice_are_refused():
+    with pytest.raises(UsageError, match="twice"):
+        ByMetadata("serial=a,serial=b")
+
+
 def test_a_px4_log_states_its_messages(tmp_path):
     path, key, value = tmp_path / "a.ulg", b"char[3] sys_uuid", b"U-1"
     content = bytes([len(key)]) + key + value

@@ -82,7 +82,8 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     left[CONTRADICTING] += sum(one.contradicting for one in report.judged)
     left = +left
     if left:
-        yield f"Not counted: {'; '.join(f'{count} values, {reason}' for reason, count in left.most_common())}."
+        reasons = "; ".join(f"{counted(count, 'value')}, {reason}" for reason, count in left.most_common())
+        yield f"Not counted: {reasons}."
 
 
 def _counted(report: FleetReport) -> str:

@@ -31,7 +31,7 @@ from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import student_limit
-from imuwb.texts import printable
+from imuwb.texts import counted, printable
 
 compute: Any = pc
 OUTSIDE = "out of family"
@@ -204,7 +204,7 @@ def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.T
     logs = tables["logs"]
     counts: Counter[str] = sum((Counter(group.left_out) for group in groups), Counter())
     counts += Counter({LIMIT_ONLY: sum(group.limited.upper.size for group in groups)})
-    reasons = "; ".join(f"{reason}: {count} rows" for reason, count in counts.most_common())
+    reasons = "; ".join(f"{reason}: {counted(count, 'row')}" for reason, count in counts.most_common())
     sheet = ", and --check FILE.toml compares the limits with a data sheet" if any(one.limits for one in groups) else ""
     remedies = {
         UNKNOWN_SENSOR: "imuwb fleet takes --group, --identities or --metadata to know the sensors",
