@@ -76,6 +76,15 @@ def test_each_case_without_a_family_has_its_sentence(imuwb, tmp_path, made, said
     assert not any(text in done.err for text in unsaid), done.err
 
 
+def test_a_run_without_a_family_that_has_not_ended_says_so(imuwb, tmp_path):
+    none = {name: [] for name in rows_of(**FEW)}
+    for rows, count in ((none, 0), (limits_only(rows_of(**FEW)), 18)):
+        folder = write(tmp_path / f"results {count}", rows, state="interrupted", logs=300)
+        done = imuwb("fleet", "report", folder)
+        assert (done.code, f"{count} of 300 logs are in the tables" in done.err) == (3, True), done.err
+        assert "all are in quarantine" not in done.err
+
+
 @pytest.mark.parametrize(
     ("made", "suggested"),
     [(dict, True), (limits_only, False), (without_intervals, False), (without_rows, False), (without_headlines, False)],

@@ -110,10 +110,7 @@ class FleetReport:
     @property
     def unfinished(self) -> str:
         """Return how far a run came that has not ended, as a clause; empty: it has ended."""
-        if self.state == "ended":
-            return ""
-        what = "is interrupted" if self.state == "interrupted" else "is under way, or was killed"
-        return f"the run {what}: {self.count} of {self.planned} logs are in the tables"
+        return _unfinished(self.state, self.count, self.planned)
 
     @property
     def kinds(self) -> Counter[str]:
@@ -130,6 +127,14 @@ class FleetReport:
         log = self.logs.get(key)
         path = log.path if log else key
         return f"imuwb {self.analysis} {_word(path)} {self.options}".rstrip()
+
+
+def _unfinished(state: State, count: int, planned: int) -> str:
+    """Return how far a run came that has not ended, as a clause; empty: it has ended."""
+    if state == "ended":
+        return ""
+    what = "is interrupted" if state == "interrupted" else "is under way, or was killed"
+    return f"the run {what}: {count} of {planned} logs are in the tables"
 
 
 def _word(path: str) -> str:
@@ -170,7 +175,11 @@ def fleet_report(
     every = sorted(every, key=_place)
     groups = tuple(group for group in every if group.is_judged)
     if not groups and not (sheet and any(group.limits or group.sensors for group in every)):
-        raise MissingDataError(_nothing(every, state, tables))
+        count = tables["logs"].num_rows
+        unfinished = _unfinished(state.state, count, state.logs)
+        goes_on = f"{unfinished}; the same imuwb fleet command goes on" if unfinished else ""
+        why = _nothing(every, state, tables) if count or not unfinished else ""
+        raise MissingDataError("; ".join(filter(None, (goes_on, why))))
     judged: tuple[Judged, ...] = ()
     findings: list[Finding] = []
     if groups:
