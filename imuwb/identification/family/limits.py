@@ -5,6 +5,9 @@ a probability with the quantile z is then c² = r + z σ, and the likelihood of 
 that of imuwb's likelihood fits. Each such factor is replaced by the normal observation that leaves mean and variance of ln θ as they
 are, given all other logs, and the family is fitted again until neither changes (expectation propagation, Minka, UAI 2001). At the fixed
 point the slope of the restricted likelihood is that of the approximated likelihood of the limits.
+
+Values that are just above their error count with the error of a chi-square variable, so the mean remains a few per cent too large
+(tests/studies/fleet_limits.md).
 """
 
 from __future__ import annotations
