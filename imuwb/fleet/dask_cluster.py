@@ -4,18 +4,22 @@ Each worker of the cluster runs a call in a process of its own (``OwnChild``): a
 process, and the worker of the cluster goes on. Source: the API of Dask.distributed, https://distributed.dask.org/en/stable/api.html
 """
 
+import asyncio
 import queue
+import re
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.fleet.executor import Call, Completed, Fault
 from imuwb.fleet.own_child import OwnChild, warm
 
+ADDRESS = re.compile(r"(?:[a-z]+://)?[^/\s]+:\d+/?")  #: of a scheduler
 CONNECTING = 10.0  #: s until a scheduler must have answered
 PATIENCE = 60.0  #: s that a cluster may be without any worker
 PERIOD = 2.0  #: s between two looks at the workers
@@ -26,7 +30,7 @@ class DaskCluster:
     """An executor on a Dask cluster.
 
     Raises:
-        UsageError: Dask is not installed, or the workers have another version of imuwb.
+        UsageError: Dask is not installed, the address is none, or the workers have another version of imuwb.
         ImuwbError: no scheduler answers.
     """
 
@@ -40,17 +44,9 @@ class DaskCluster:
         """
         distributed = _distributed()
         self.name, self._own = address, own
-        try:
-            self._client: Any = distributed.Client(own or address, timeout=CONNECTING, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
-            if isinstance(error, ValueError):
-                raise UsageError(
-                    f"--scheduler {address}: this is no address; write it as in tcp://127.0.0.1:8786"
-                ) from None
-            raise ImuwbError(
-                f"--scheduler {address}: no scheduler answers within {CONNECTING:g} s; start one (dask scheduler) and its workers (dask "
-                "worker ADDRESS), or leave the option out: then this machine works alone"
-            ) from None
+        if own is None:
+            _ask(address)
+        self._client: Any = distributed.Client(own or address, timeout=CONNECTING, set_as_default=False)
         self._done: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
         self._futures: dict[int, Any] = {}
         self._alone: float | None = None
@@ -150,6 +146,33 @@ class DaskCluster:
         return Completed(
             number, fault=Fault("lost", f"its worker was lost ({type(error).__name__ if error else future.status})")
         )
+
+
+def _ask(address: str) -> None:
+    """Raise an error unless a scheduler of Dask answers; a client that waits for one would go on trying after its error."""
+    if not ADDRESS.fullmatch(address):
+        raise UsageError(f"--scheduler {address}: this is no address; write it as in tcp://127.0.0.1:8786")
+    core: Any = import_module("distributed.core")
+    security: Any = import_module("distributed.security")
+
+    async def identity() -> Any:  # noqa: ANN401 - Dask's own
+        options = security.Security().get_connection_args("client")
+        async with core.rpc(address, timeout=CONNECTING, connection_args=options) as scheduler:
+            return await asyncio.wait_for(scheduler.identity(), CONNECTING)
+
+    found: Any = None
+    try:
+        with suppress(TimeoutError, MemoryError):  # the answer does not end, or states a size that is none
+            found = asyncio.run(identity())
+    except OSError:
+        raise ImuwbError(
+            f"--scheduler {address}: no scheduler answers within {CONNECTING:g} s; start one (dask scheduler) and its workers (dask "
+            "worker ADDRESS), or leave the option out: then this machine works alone"
+        ) from None
+    except Exception:  # noqa: BLE001 - what reads the answer may raise anything
+        found = None
+    if not isinstance(found, dict) or cast("Any", found).get("type") != "Scheduler":
+        raise ImuwbError(f"--scheduler {address}: what listens there is no scheduler of Dask; check the port")
 
 
 def local_cluster(slots: int) -> Any:  # noqa: ANN401 - Dask's own

@@ -35,7 +35,8 @@ def found(patterns: Iterable[str], apart: str = "") -> tuple[Listed, ...]:
 
     Args:
         patterns: paths or addresses; ``*``, ``?`` and ``[...]`` stand for letters of a name, ``**`` for folders; a folder stands
-            for all files below it but those that imuwb writes.
+            for all files below it. Files that imuwb writes beside logs are left out, unless a pattern ends with their suffix. A file
+            that several paths lead to counts once.
         apart: a folder whose files are no logs: that of the results.
 
     Raises:
@@ -57,7 +58,13 @@ def found(patterns: Iterable[str], apart: str = "") -> tuple[Listed, ...]:
                 f"{_shown(pattern)}: no log matches; {hint}: ** stands for any folders, * for any letters of a name"
             )
         logs |= {log.place: log for log in own}
-    return tuple(logs[place] for place in sorted(logs))
+    once = {_real(place): place for place in sorted(logs, reverse=True)}
+    return tuple(logs[place] for place in sorted(once.values()))
+
+
+def _real(place: str) -> str:
+    """Return one path for a file that several paths lead to, as links do."""
+    return place if is_address(place) else os.path.realpath(place)
 
 
 def logs_in(folder: Path) -> tuple[Path, ...]:
@@ -106,7 +113,8 @@ def _files(pattern: str) -> Iterator[Listed]:
         files = (path,) if path.exists() else ()
     else:
         # Path.glob takes no absolute pattern.
-        files = (file for name in glob.iglob(pattern, recursive=True) if not (file := Path(name)).is_dir())  # noqa: PTH207
+        names = (name for name in glob.iglob(pattern, recursive=True) if _is_log(Path(name).name, pattern))  # noqa: PTH207
+        files = (file for name in names if not (file := Path(name)).is_dir())
     for file in files:
         try:
             state = file.stat()
@@ -115,8 +123,10 @@ def _files(pattern: str) -> Iterator[Listed]:
         yield Listed(str(file), state.st_size, tag_of("file", state.st_size, state.st_mtime_ns))
 
 
-def _is_log(name: str) -> bool:
-    return not name.startswith(".") and not name.endswith(NO_LOGS)
+def _is_log(name: str, pattern: str = "") -> bool:
+    """Return whether a file may be a log; one that imuwb writes is none, unless a pattern names its suffix."""
+    wanted = pattern.endswith(tuple(suffix for suffix in NO_LOGS if name.endswith(suffix)))
+    return not name.startswith(".") and (wanted or not name.endswith(NO_LOGS))
 
 
 def _objects(pattern: str) -> Iterator[Listed]:
@@ -138,7 +148,7 @@ def _objects(pattern: str) -> Iterator[Listed]:
     wanted = re.compile(_expression(key)) if special else None
     for meta in listed(store, address, prefix):
         name = meta["path"]
-        if wanted.fullmatch(name) if wanted else _is_log(name.rpartition("/")[2]):
+        if (wanted is None or wanted.fullmatch(name)) and _is_log(name.rpartition("/")[2], key):
             yield _object(scheme, bucket, meta)
 
 

@@ -1,7 +1,10 @@
+import sys
+from pathlib import Path
+
 import pytest
 
 from imuwb.errors import UnreadableLogError
-from imuwb.fleet.listing import logs_in
+from imuwb.fleet.listing import found, logs_in
 from imuwb.simulation import chamber, preset
 from imuwb.writers import write
 
@@ -19,3 +22,19 @@ def test_a_folder_of_recordings_is_several_logs(tmp_path):
     (tmp_path / names[1]).unlink()
     with pytest.raises(UnreadableLogError, match="no log in this folder"):
         logs_in(tmp_path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
+def test_a_glob_takes_what_a_folder_takes_and_each_file_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("logs/v0").mkdir(parents=True)
+    for name in ("a.csv", "b.mcap", "a.csv.toml", "run.json", "progress.jsonl", "page.html"):
+        Path("logs/v0", name).write_text("x")
+    Path("logs/v0/again").symlink_to(Path("../v0"))
+    Path("logs/c.csv").symlink_to("v0/a.csv")
+    for pattern in ("logs/", "logs/**/*"):
+        assert [Path(log.place).name for log in found([pattern])] == ["c.csv", "b.mcap"], pattern
+    assert [Path(log.place).name for log in found(["logs/v0/*.json", "logs/v0/a.csv.toml"])] == [
+        "a.csv.toml",
+        "run.json",
+    ]
