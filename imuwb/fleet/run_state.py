@@ -29,6 +29,7 @@ class RunState:
     done: int = 0
     quarantined: int = 0
     digest: str = ""  #: of all that the tables are made of; empty: they are not written
+    tables: str = ""  #: hash of the bytes of the tables
     schema: int = SCHEMA
 
     def write(self, store: Store) -> None:
@@ -55,7 +56,9 @@ def run_state(store: Store, place: str, *, reading: bool = False) -> RunState | 
         known = json.loads(content)
         schema = known["schema"]
         if schema == SCHEMA:
-            return _checked(RunState(**{f.name: known[f.name] for f in fields(RunState)}))
+            return _checked(
+                RunState(**{f.name: known[f.name] for f in fields(RunState) if f.name in known or f.name != "tables"})
+            )
     except (ValueError, KeyError, TypeError):
         remedy = (
             "run the fleet again into a new folder, or into this one with imuwb fleet ANALYSIS LOGS --force, which uses its parts"
@@ -81,7 +84,7 @@ def _checked(state: RunState) -> RunState:
     """
     kinds: dict[type, tuple[object, ...]] = {
         int: (state.logs, state.done, state.quarantined),
-        str: (state.imuwb, state.analysis, state.command, state.executor, state.run, state.digest),
+        str: (state.imuwb, state.analysis, state.command, state.executor, state.run, state.digest, state.tables),
         dict: (state.params,), list: (state.inputs,),
     }  # fmt: skip
     if any(type(one) is not kind for kind, own in kinds.items() for one in own) or state.state not in get_args(State):

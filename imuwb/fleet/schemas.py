@@ -30,9 +30,9 @@ DONE, QUARANTINED = "done", "quarantined"  #: states of a row of logs
 #: keys of run.json: schema (of the tables), imuwb (version), analysis (name with its method), params (of the analysis), command,
 #: inputs (the patterns), executor ("this process", "4 processes", "tcp://..."), run (name of the folder of parts), state ("running",
 #: "interrupted", "ended"), logs (found), done, quarantined, level (probability of the intervals, or null), digest (of what the tables
-#: are made of; empty: they are not written)
+#: are made of; empty: they are not written), tables (hash of their bytes)
 RUN_KEYS = (
-    "schema", "imuwb", "analysis", "params", "command", "inputs", "executor", "run", "state", "logs", "done", "quarantined", "level", "digest",
+    "schema", "imuwb", "analysis", "params", "command", "inputs", "executor", "run", "state", "logs", "done", "quarantined", "level", "digest", "tables",
 )  # fmt: skip
 
 _WHO = (

@@ -1,5 +1,6 @@
 """The tables of a fleet from its parts: the rows of all logs in a fixed order, so that the same logs give the same bytes."""
 
+import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -39,12 +40,27 @@ class Tables:
 
     by_name: dict[str, pa.Table]
 
-    def write(self, store: Store) -> None:
-        """Write each table; logs is the last, so it never names results that are not there."""
+    def write(self, store: Store) -> str:
+        """Write each table, and return the hash of their bytes; logs is the last, so it never names results that are not there."""
+        written: dict[str, bytes] = {}
         for name in sorted(self.by_name, key=lambda name: name == "logs"):
             sink = BytesIO()
             pq.write_table(self.by_name[name], sink, compression="zstd")
-            store.write(file_of(name), sink.getvalue())
+            written[name] = sink.getvalue()
+            store.write(file_of(name), written[name])
+        return _hash(written)
+
+
+def hash_of_tables(store: Store) -> str:
+    """Return the hash of the bytes of the tables that are there; empty: one is missing."""
+    found = {name: store.read(file_of(name)) for name in TABLES}
+    whole = {name: content for name, content in found.items() if content is not None}
+    return _hash(whole) if len(whole) == len(found) else ""
+
+
+def _hash(contents: dict[str, bytes]) -> str:
+    parts = [name.encode() + hashlib.sha256(contents[name]).digest() for name in sorted(contents)]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
 def tables_of(entries: Iterable[Entry], store: Store) -> Tables:

@@ -1,5 +1,6 @@
 """What a run over a fleet states at its end, in at most 15 lines."""
 
+import shlex
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import PurePosixPath
@@ -23,7 +24,7 @@ NOTHING = {"lacks data": MissingDataError, "unreadable": UnreadableLogError, "us
 
 
 def print_ending(
-    state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int, unused: str = ""
+    state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int, *, wrote: bool, unused: str = ""
 ) -> None:
     """Print how many logs gave a result, the faults by kind with an example, and where the tables are.
 
@@ -33,16 +34,18 @@ def print_ending(
         patterns: that were given.
         place: of the results.
         worked: logs that were worked on in this run.
+        wrote: whether this run wrote the tables.
         unused: rows of the table of owners that are of no log, as a sentence; empty: none.
 
     Raises:
         ImuwbError: no log gave a result; the error is that of one log where all logs have the same kind of fault.
     """
     answer = answer_of(state, store, place, worked, unused)
-    wrote = tuple(file_of(name) for name in ("sensors", "outages", "logs", "quarantine"))
+    files = tuple(file_of(name) for name in ("sensors", "outages", "logs", "quarantine")) if wrote else ()
+    shown = (f"{place.rstrip('/')}/: {files[0]}", *files[1:]) if files else ()
     print_panel(
         answer,
-        Origin(f"fleet {state.analysis}", tuple(patterns), wrote=(f"{place.rstrip('/')}/: {wrote[0]}", *wrote[1:])),
+        Origin(f"fleet {state.analysis}", tuple(patterns), wrote=shown),
         data=False,
     )
     if state.logs and not _results(state, store):
@@ -71,7 +74,7 @@ def answer_of(state: RunState, store: Store, place: str, worked: int, unused: st
     compared = _compared(store)
     if not compared and _results(state, store):
         sentences.append("No log has a headline value with an interval, so imuwb fleet report has no family to judge.")
-    report = Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift")
+    report = Step(f"imuwb fleet report {shlex.quote(place)}", "which sensors are out of family, and which drift")
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if compared else (),
     )  # fmt: skip

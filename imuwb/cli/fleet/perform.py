@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, cast
 
+import typer
+
 from imuwb import __version__, registry
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.fleet.display import watching
@@ -31,13 +33,14 @@ from imuwb.fleet.plan import Task, ordered, planned
 from imuwb.fleet.progress import Progress, ProgressFile
 from imuwb.fleet.run_state import RunState, check_fits, run_state
 from imuwb.fleet.running import completed
-from imuwb.fleet.schemas import SCHEMA, TABLES, file_of
+from imuwb.fleet.schemas import SCHEMA
 from imuwb.fleet.store import Store, store_at
-from imuwb.fleet.tables import Entry, Tables, tables_of
+from imuwb.fleet.tables import Entry, Tables, hash_of_tables, tables_of
 from imuwb.readers.bytes.address import without_secrets
 from imuwb.readers.read_options import ReadOptions
 from imuwb.review.answers.document import plain
 from imuwb.selection import ALL
+from imuwb.texts import counted
 
 GB = 1e9
 WARM = 20  #: logs; with fewer, each worker compiles what it needs itself
@@ -124,20 +127,18 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
         if todo:
             state.write(store)
             _work(run, todo, executor, state, look=bool(known))
-    except (KeyboardInterrupt, ImuwbError):
+    except (KeyboardInterrupt, ImuwbError) as stop:
         with suppress(ImuwbError):  # the store may be what has failed
             _finish(run, replace(state, state="interrupted"), None)
+        if isinstance(stop, KeyboardInterrupt):
+            done = f"{len(run.parts)} of {counted(len(tasks), 'log')}"
+            typer.echo(f"imuwb: {done} are done and in the tables; the same command goes on with the others", err=True)
         raise
     finally:
         executor.close()
-    print_ending(
-        _finish(run, replace(state, state="ended"), before),
-        run.store,
-        patterns,
-        place,
-        len(todo),
-        rule.unused([task.log for task in tasks]),
-    )
+    ended, wrote = _finish(run, replace(state, state="ended"), before)
+    unused = rule.unused([task.log for task in tasks])
+    print_ending(ended, run.store, patterns, place, len(todo), wrote=wrote, unused=unused)
 
 
 def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, *, look: bool) -> None:
@@ -180,25 +181,20 @@ def _note(run: _Run, task: Task, done: Completed) -> tuple[str, str]:
     return kind, message
 
 
-def _finish(run: _Run, state: RunState, before: RunState | None) -> RunState:
-    """Write the tables, unless they are there, and the state of the run."""
+def _finish(run: _Run, state: RunState, before: RunState | None) -> tuple[RunState, bool]:
+    """Write the tables, unless they are there, and the state of the run; return the state, and whether the tables were written."""
     digest = run.digest()
-    files = (
-        {name for name in run.store.names("") if "/" not in name}
-        if before is not None and before.digest == digest
-        else set[str]()
-    )
-    if before is not None and {file_of(name) for name in TABLES} <= files:
-        state = replace(state, done=before.done, quarantined=before.quarantined, digest=digest)
+    if before is not None and before.digest == digest and before.tables and before.tables == hash_of_tables(run.store):
+        state = replace(state, done=before.done, quarantined=before.quarantined, digest=digest, tables=before.tables)
         if replace(state, executor=before.executor, command=before.command) != before:
             state.write(run.store)
-        return state
+        return state, False
     tables: Tables = tables_of(run.entries(), run.store)
-    tables.write(run.store)
+    written = tables.write(run.store)
     states = Counter(tables.by_name["logs"].column("state").to_pylist())
-    state = replace(state, done=states["done"], quarantined=states["quarantined"], digest=digest)
+    state = replace(state, done=states["done"], quarantined=states["quarantined"], digest=digest, tables=written)
     state.write(run.store)
-    return state
+    return state, True
 
 
 def _check(asked: Asked) -> None:

@@ -1,0 +1,26 @@
+"""How a run over a fleet ends where no log gives a result."""
+
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+SHORT_LOG = "time [s],gx [rad/s],gy [rad/s],gz [rad/s],ax [m/s2],ay [m/s2],az [m/s2]\n" + "".join(
+    f"{t / 100},0,0,0.1,0,0,9.8\n" for t in range(4)
+)
+
+
+@pytest.mark.parametrize(
+    ("content", "code"), [("no log at all", 4), ("", 4), (SHORT_LOG, 3), (SHORT_LOG.replace(" [rad/s]", ""), 2)]
+)
+def test_a_fleet_without_any_result_is_an_error(imuwb, tmp_path, monkeypatch, content, code):
+    monkeypatch.chdir(tmp_path)
+    Path("logs").mkdir()
+    for name in "ab":
+        Path("logs", f"{name}.csv").write_text(content + "\n" * (name == "b"))
+    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0")
+    assert done.code == code, done.err
+    assert "imuwb: no log gave a result; results/quarantine.parquet has the reason of each" in done.err
+    assert "fleet report" not in done.err
+    assert pq.read_table("results/quarantine.parquet").num_rows == 2
+    assert imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0").code == code
