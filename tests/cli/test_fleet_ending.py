@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
@@ -24,3 +25,16 @@ def test_a_fleet_without_any_result_is_an_error(imuwb, tmp_path, monkeypatch, co
     assert "fleet report" not in done.err
     assert pq.read_table("results/quarantine.parquet").num_rows == 2
     assert imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0").code == code
+
+
+def test_a_fleet_of_unknown_sensors_suggests_no_report(imuwb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("logs").mkdir()
+    rng = np.random.default_rng(1)
+    for name in "ab":
+        table = np.c_[np.arange(3000) / 100, 0.1 * rng.standard_normal((3000, 6)) + [0, 0, 0, 0, 0, 9.8]]
+        np.savetxt(f"logs/{name}.csv", table, delimiter=",", comments="", header=SHORT_LOG.partition("\n")[0])
+    done = imuwb("fleet", "psd", "logs", "-o", "results", "--workers", "0")
+    assert (done.code, "fleet report results\n" in done.err) == (0, False), done.err
+    done = imuwb("fleet", "psd", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
+    assert (done.code, "imuwb fleet report results" in done.err) == (0, True), done.err

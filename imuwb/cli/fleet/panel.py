@@ -73,7 +73,9 @@ def answer_of(state: RunState, store: Store, place: str, worked: int, unused: st
     about = f"{counted(state.logs, 'log')} of {whose.text}, {state.executor}"
     compared = _compared(store)
     if not compared and _results(state, store):
-        sentences.append("No log has a headline value with an interval, so imuwb fleet report has no family to judge.")
+        sentences.append(
+            "No known sensor has a headline value with an interval, so imuwb fleet report has no family to judge."
+        )
     report = Step(f"imuwb fleet report {shlex.quote(place)}", "which sensors are out of family, and which drift")
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences), (report,) if compared else (),
@@ -86,12 +88,13 @@ def _results(state: RunState, store: Store) -> bool:
 
 
 def _compared(store: Store) -> bool:
-    """Return whether the tables have a headline value with an interval, or an outage, which sensors and vehicles can be compared by."""
+    """Return whether the tables have a headline value with an interval of a known sensor, or an outage, by which a fleet is compared."""
     content = store.read(file_of("sensors"))
     if content is not None:
-        table = table_in(content, ("value", "lower", "upper", "headline"))
-        columns = (table[name].to_pylist() for name in table.column_names)
-        if any(None not in row[:3] and row[3] is not False for row in zip(*columns, strict=True)):
+        names = ("value", "lower", "upper", "headline", "vehicle", "serial")
+        table = table_in(content, names)
+        rows = zip(*(table[name].to_pylist() for name in names), strict=True)
+        if any(None not in row[:3] and row[3] is not False and (row[4] or row[5]) for row in rows):
             return True
     return bool(_columns(store, "outages", ("log",)))
 
