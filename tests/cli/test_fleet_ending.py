@@ -34,7 +34,7 @@ def test_a_fleet_of_unknown_sensors_suggests_no_report(imuwb, tmp_path, monkeypa
     for name in "ab":
         table = np.c_[np.arange(3000) / 100, 0.1 * rng.standard_normal((3000, 6)) + [0, 0, 0, 0, 0, 9.8]]
         np.savetxt(f"logs/{name}.csv", table, delimiter=",", comments="", header=SHORT_LOG.partition("\n")[0])
-    done = imuwb("fleet", "psd", "logs", "-o", "results", "--workers", "0")
+    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0")
     assert (done.code, "fleet report results\n" in done.err) == (0, False), done.err
-    done = imuwb("fleet", "psd", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
+    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
     assert (done.code, "imuwb fleet report results" in done.err) == (0, True), done.err
