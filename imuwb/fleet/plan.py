@@ -1,6 +1,7 @@
 """What a run has to do: a task for each log, in an order that shows results early, and the name of each task's part."""
 
 import hashlib
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from imuwb.errors import UsageError
 from imuwb.fleet.identity import NOBODY, PLACES, Identity, Rule
 from imuwb.fleet.listing import Listed, tag_of
 
+BRACES = re.compile(r"\{(\w*)\}")
 LARGEST = 100_000_000  #: bytes of a file that an option names, and whose content is a part of the task's name
 
 
@@ -35,10 +37,12 @@ def planned(logs: Sequence[Listed], rule: Rule, values: Iterable[tuple[str, obje
         values: of the options of the analysis and of the reading; texts may have ``{serial}``, ``{vehicle}`` and ``{family}``.
 
     Raises:
-        UsageError: the rule says nothing of any log, does not tell some apart, or states a date that is none.
+        UsageError: a path has another word in braces, or the rule says nothing of any log, does not tell some apart, or states a date that is none.
     """
     digests: dict[str, str] = {}
     values = tuple(values)
+    for _, value in values:
+        _check_places(value)
     rule.check(logs)
     identities = [rule.of(log) for log in logs]
     if logs and all(identity == NOBODY for identity in identities) and (text := rule.nothing(logs[0])):
@@ -61,6 +65,16 @@ def _task(log: Listed, who: Identity, values: Sequence[tuple[str, object]], dige
 def has_place(value: object) -> bool:
     """Return whether a value has a part of the identity in braces."""
     return any(f"{{{name}}}" in text for text in _texts(value) for name in PLACES)
+
+
+def _check_places(value: object) -> None:
+    """Raise UsageError if a path has a word in braces that is no part of an identity."""
+    for one in value if isinstance(value, list | tuple) else (value,):
+        wrong = [word for word in BRACES.findall(str(one)) if word not in PLACES] if isinstance(one, Path) else []
+        if wrong:
+            raise UsageError(
+                f"{one}: {{{wrong[0]}}} is no part of an identity; write {', '.join(f'{{{name}}}' for name in PLACES)}"
+            )
 
 
 def _filled(value: object, who: Identity) -> object:

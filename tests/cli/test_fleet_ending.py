@@ -38,3 +38,15 @@ def test_a_fleet_of_unknown_sensors_suggests_no_report(imuwb, tmp_path, monkeypa
     assert (done.code, "fleet report results\n" in done.err) == (0, False), done.err
     done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
     assert (done.code, "imuwb fleet report results" in done.err) == (0, True), done.err
+
+
+def test_wrong_options_end_a_fleet_after_a_few_logs(imuwb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("logs").mkdir()
+    for number in range(8):
+        Path(f"logs/{number}.csv").write_text(SHORT_LOG + "\n" * number)
+    done = imuwb("fleet", "outage", "logs", "-o", "results", "--workers", "0", "--error-model", "models/{serail}.toml")
+    assert (done.code, "{serail} is no part of an identity" in done.err) == (2, True), done.err
+    assert not Path("results").exists()
+    done = imuwb("fleet", "outage", "logs", "-o", "results", "--workers", "0")
+    assert (done.code, "--error-model" in done.err, "first 5 logs" in done.err) == (2, True, True), done.err

@@ -43,6 +43,7 @@ from imuwb.selection import ALL
 from imuwb.texts import counted
 
 GB = 1e9
+SAME = 5  #: logs, which end with one and the same fault of usage, after which a run ends: its options are wrong
 WARM = 20  #: logs; with fewer, each worker compiles what it needs itself
 FIRST_LOOK, LOOKS = 60.0, 100  #: s after which the tables are written early, and later times the time that this takes
 STOPPED = ("time", "memory", "crash")  #: faults that are those of the log, and are not tried again with the same bounds
@@ -147,14 +148,17 @@ def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, 
     if len(todo) >= WARM:
         executor.warm()
     file, progress = ProgressFile(run.store), Progress(len(todo))
-    written, wait = time.monotonic(), FIRST_LOOK
+    written, wait, said = time.monotonic(), FIRST_LOOK, set[str]()
     try:
         with watching(progress, executor.link) as update:
             for done in completed(calls, executor):
                 task = todo[done.number]
                 kind, message = _note(run, task, done)
+                said.add(message if kind == "usage" else "")
                 file.add(progress.add(without_secrets(task.log.place), kind, message, done.worker))
                 update()
+                if progress.done == SAME and said == {message} and message:
+                    raise UsageError(f"{message}. The first {SAME} logs all end so; no further one was read")
                 if time.monotonic() - written > wait:
                     began = time.monotonic()
                     _finish(run, state, None)
