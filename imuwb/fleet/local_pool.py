@@ -7,13 +7,16 @@ pool of the standard library loses all calls that wait when a process dies.
 import os
 import queue
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 
+from imuwb.errors import ImuwbError
 from imuwb.fleet.executor import Call, Completed
 from imuwb.fleet.own_child import OwnChild, warm
 
 ENDING = 10.0  #: s until a killed process must have ended
+AGAIN = 0.5  #: s until a process that cannot be started is tried again
 _Item = tuple[int, Call] | None
 
 
@@ -30,6 +33,7 @@ class LocalPool:
         self._done: queue.SimpleQueue[Completed] = queue.SimpleQueue()
         self._children: list[OwnChild] = []
         self._threads: list[threading.Thread] = []
+        self._starting = threading.Lock()
         self._left = 0
 
     def warm(self) -> None:
@@ -37,14 +41,29 @@ class LocalPool:
         warm()
 
     def submit(self, number: int, call: Call) -> None:
-        """Take a call, and start another process if all have one."""
+        """Take a call, and start another process if all have one.
+
+        Raises:
+            ImuwbError: this machine starts not even one.
+        """
         self._left += 1
         if len(self._children) < min(self.slots, self._left):
-            child = OwnChild()
-            self._children.append(child)
-            self._threads.append(threading.Thread(target=self._serve, args=(child,), daemon=True))
-            self._threads[-1].start()
+            self._serve_more()
         self._calls.put((number, call))
+
+    def _serve_more(self) -> None:
+        child = OwnChild()
+        thread = threading.Thread(target=self._serve, args=(child,), daemon=True)
+        try:
+            thread.start()
+        except RuntimeError:  # the system has no thread left: the others do the calls
+            if not self._threads:
+                raise ImuwbError(
+                    "no process can be started on this machine; end other programs, or give --workers 0"
+                ) from None
+            return
+        self._children.append(child)
+        self._threads.append(thread)
 
     def as_completed(self) -> Iterator[Completed]:
         """Yield the calls that are ready."""
@@ -66,7 +85,13 @@ class LocalPool:
 
     def _serve(self, child: OwnChild) -> None:
         while (item := self._calls.get()) is not None:
-            self._done.put(child.call(*item))
+            with self._starting:  # one after another, so that each knows of the others
+                works = child.start() or not any(other.runs() for other in self._children)
+            if works:
+                self._done.put(child.call(*item))
+            else:  # this machine has no room for one more process: the others do its calls meanwhile
+                self._calls.put(item)
+                time.sleep(AGAIN)
         child.close()
 
 

@@ -23,9 +23,10 @@ OUTSIDE = tuple(getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "
 
 def warm() -> None:
     """Compile what workers on this machine need (``imuwb warm``), in a process of its own; where that fails, each worker does it."""
-    subprocess.run(
-        [sys.executable, "-m", "imuwb", "warm"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=_environment(), check=False,
-    )  # fmt: skip
+    with suppress(OSError):
+        subprocess.run(
+            [sys.executable, "-m", "imuwb", "warm"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=_environment(), check=False,
+        )  # fmt: skip
 
 
 def _environment() -> dict[str, str]:
@@ -46,16 +47,25 @@ class OwnChild:
             packed = pickle.dumps(pickle.dumps(call))
         except Exception as error:  # noqa: BLE001 - of many types
             return Completed(number, fault=Fault("fault", f"the call cannot be sent to a process: {error}"))
-        process = self._started()
-        late = threading.Event()
+        late, began = threading.Event(), False
+        try:
+            process = self._started()
+        except (OSError, RuntimeError) as error:
+            return Completed(number, fault=Fault("lost", f"no process can be started for it: {_reason(error)}"))
         try:
             self._send(process, packed)
             self._answer(process, STARTING, late)
+            began = True
             done = cast("Completed", self._answer(process, call.bounds.seconds + GRACE, late))
         except (EOFError, OSError, pickle.UnpicklingError):
             self._process = None
             code = self._ended(process)
-            return Completed(number, fault=_fault(code, call, late=late.is_set()), worker=str(process.pid))
+            fault = _fault(code, call, late=late.is_set()) if began else _no_start(code, late=late.is_set())
+            return Completed(number, fault=fault, worker=str(process.pid))
+        except Exception as error:  # noqa: BLE001 - an answer may raise anything when it is unpacked
+            self.drop()
+            fault = Fault("lost", f"its process gave no answer that can be read: {_reason(error)}")
+            return Completed(number, fault=fault, worker=str(process.pid))
         except BaseException:
             self.close()
             raise
@@ -71,14 +81,32 @@ class OwnChild:
             process.kill()
 
     def close(self) -> None:
-        """End the process, from the thread that calls it."""
+        """End the process and start none again, from the thread that calls it."""
         self.kill()
+        self.drop()
+
+    def drop(self) -> None:
+        """End the process, from the thread that calls it; the next call starts another."""
         process, self._process = self._process, None
         if process is not None:
+            process.kill()
             self._ended(process)
 
+    def runs(self) -> bool:
+        """Return whether there is a process; any thread may ask."""
+        process = self._process
+        return process is not None and process.poll() is None
+
+    def start(self) -> bool:
+        """Start the process unless it runs, and return whether it does."""
+        try:
+            self._started()
+        except (OSError, RuntimeError):
+            return False
+        return True
+
     def _started(self) -> "subprocess.Popen[bytes]":
-        if self._process is not None and self._process.poll() is None:
+        if self._process is not None and self.runs():
             return self._process
         errors = None if os.environ.get("IMUWB_TRACEBACK") else subprocess.DEVNULL
         self._process = subprocess.Popen(
@@ -127,7 +155,7 @@ class OwnChild:
 
 
 def _fault(code: int, call: Call, *, late: bool) -> Fault:
-    """Return why a process ended in a call, by its exit code."""
+    """Return why a process ended in a call that had begun, by its exit code."""
     if late:
         return time_fault(call.bounds)
     if code == MEMORY_EXIT:
@@ -137,3 +165,16 @@ def _fault(code: int, call: Call, *, late: bool) -> Fault:
     if code < 0:
         return Fault("crash", f"its process crashed (signal {-code})")
     return Fault("lost", f"its process ended (exit code {code})")
+
+
+def _no_start(code: int, *, late: bool) -> Fault:
+    """Return why a process ended before a call began; the log is not at fault."""
+    if late:
+        return Fault("lost", f"its worker did not start within {STARTING:g} s: imports and compiled code took too long")
+    return Fault(
+        "lost", f"its worker ended while it started ({f'signal {-code}' if code < 0 else f'exit code {code}'})"
+    )
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

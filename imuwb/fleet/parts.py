@@ -98,7 +98,9 @@ def stopped_content(bounds: object) -> str:
 
 
 def known_parts(store: Store, run: str, contents: Iterable[str]) -> Mapping[str, str]:
-    """Return the parts that a run has already, {tag: name}.
+    """Return the parts that a run has already, {tag: name}, in whatever order the store lists them.
+
+    A log that was stopped once and read another time has two parts: the one that was read counts.
 
     Args:
         store: of the results.
@@ -106,13 +108,14 @@ def known_parts(store: Store, run: str, contents: Iterable[str]) -> Mapping[str,
         contents: what may stand for the content of a log that was not read; parts with others of these are tried again.
     """
     allowed = set(contents)
-    known: dict[str, str] = {}
+    known: dict[str, tuple[bool, str]] = {}  # whether the log was read, and the part
     for name in store.names(folder_of(run)):
         tag, _, rest = name.rpartition("/")[2].partition(".")
         content = rest.removesuffix(".parquet")
-        if not content.startswith(NOT_READ) or content in allowed:
-            known[tag] = name
-    return known
+        read = not content.startswith(NOT_READ)
+        if read or content in allowed:
+            known[tag] = max(known.get(tag, (False, "")), (read, name))
+    return {tag: name for tag, (_, name) in known.items()}
 
 
 def same_content(store: Store, run: str, content: str) -> str | None:

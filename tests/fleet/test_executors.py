@@ -1,14 +1,20 @@
 """Executors: a call that hangs, takes too much memory, crashes or is killed gives its own fault, and the others give their values."""
 
 import builtins
+import errno
 import math
+import os
 import signal
+import subprocess
 import sys
+import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from imuwb.errors import ImuwbError
+from imuwb.fleet import own_child
 from imuwb.fleet.executor import Bounds, Call, Completed, Fault
 from imuwb.fleet.in_process import InProcess
 from imuwb.fleet.local_pool import LocalPool
@@ -20,6 +26,8 @@ HANGS = (time.sleep, 600.0)
 CALLS = [(math.sqrt, 4.0), HANGS, (bytearray, 10**11), (math.sqrt, -1.0), (math.sqrt, 9.0)]
 DEADLY = [(signal.raise_signal, signal.SIGKILL), (signal.raise_signal, signal.SIGSEGV), (math.sqrt, 16.0)]
 LOADED = "__import__('imuwb.cli.fleet.work') and [m in __import__('sys').modules for m in ('rerun', 'matplotlib')]"
+#: its value raises where it is unpacked
+UNREADABLE = "type('Odd', (), {'__reduce__': lambda self: (__import__('math').sqrt, (-1.0,))})()"
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the bound of memory is that of Linux")
 
@@ -50,6 +58,56 @@ def test_a_pool_loses_only_the_call_whose_process_ends():
 
 def test_workers_do_not_import_what_shows_results():
     assert became(LocalPool(1), [(builtins.eval, LOADED)]) == [[False, False]]
+
+
+@pytest.fixture
+def processes(monkeypatch):
+    """Return a function that states how many processes may be started."""
+    start = subprocess.Popen
+
+    def limit(number):
+        left = iter(range(number))
+
+        def popen(*arguments, **options):
+            if next(left, None) is None:
+                raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+            return start(*arguments, **options)
+
+        monkeypatch.setattr(own_child.subprocess, "Popen", popen)
+
+    return limit
+
+
+@pytest.mark.parametrize(("number", "becomes"), [(0, ["lost"] * 4), (1, [2.0] * 4)])
+def test_a_process_that_cannot_be_started_loses_no_call_of_the_others(processes, number, becomes):
+    processes(number)
+    assert became(LocalPool(2), [(math.sqrt, 4.0)] * 4) == becomes
+
+
+def test_a_thread_that_cannot_be_started_loses_the_call(monkeypatch):
+    def start(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading, "Timer", lambda *_: SimpleNamespace(start=lambda: start(0), cancel=lambda: None))
+    assert became(LocalPool(1), [(math.sqrt, 4.0)]) == ["lost"]
+    monkeypatch.setattr(threading.Thread, "start", start)
+    with pytest.raises(ImuwbError, match="--workers 0"):
+        became(LocalPool(1), [(math.sqrt, 4.0)])
+
+
+def test_an_answer_that_cannot_be_read_loses_the_call():
+    assert became(LocalPool(1), [(builtins.eval, UNREADABLE), (math.sqrt, 4.0)]) == ["lost", 2.0]
+
+
+@pytest.mark.parametrize("starts", [(time.sleep, 600.0), (signal.raise_signal, signal.SIGSEGV)])
+def test_a_worker_that_does_not_start_is_no_fault_of_the_log(monkeypatch, starts):
+    monkeypatch.setattr(own_child, "STARTING", 3.0)
+    prepare, argument = starts
+    pool = LocalPool(1)
+    pool.submit(0, Call(abs, argument, BOUNDS, prepare))
+    (done,) = pool.as_completed()
+    pool.close()
+    assert (done.fault.kind, "start" in done.fault.message, "--task" in done.fault.message) == ("lost", True, False)
 
 
 class Failing:

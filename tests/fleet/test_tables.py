@@ -129,6 +129,14 @@ def test_a_task_that_was_stopped_is_tried_again_with_other_bounds(results):
     assert same_content(store, "run", "3" * 16) is None
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_log_that_was_read_beats_its_stop_in_any_order(order):
+    bounds = stopped_content(60)
+    names = [part_name("run", "late", content) for content in (bounds, "2" * 16, "1" * 16)]
+    store = SimpleNamespace(names=lambda _: names[::order])
+    assert known_parts(store, "run", [bounds]) == {"late": names[1]}
+
+
 def test_a_table_of_another_version_is_refused(results):
     store, entries = results
     tables_of(entries, store).write(store)
