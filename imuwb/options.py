@@ -126,7 +126,10 @@ def check(parameters: object) -> None:
         if option.between is not None:
             for number in _numbers(value):
                 if number not in option.between:
-                    raise ValueError(f"{option.name} is {text_of(value)}; it must be {option.between}")
+                    rule = str(option.between)
+                    if not math.isfinite(number) and "finite" not in rule:
+                        rule = f"finite and {rule}"
+                    raise ValueError(f"{option.name} is {text_of(value)}; it must be {rule}")
         object.__setattr__(parameters, option.name, value)
 
 

@@ -6,6 +6,7 @@ pool of the standard library loses all calls that wait when a process dies.
 
 import os
 import queue
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -25,9 +26,14 @@ class LocalPool:
 
     link = ""
 
-    def __init__(self, slots: int = 0) -> None:
-        """Start no process yet; 0: one process for each core that this process may use."""
-        self.slots = slots or cores()
+    def __init__(self, slots: int = 0, most: int | None = None) -> None:
+        """Start no process yet.
+
+        Args:
+            slots: processes; 0: one for each core that this process may use.
+            most: calls that there will be, beyond which a process has nothing to do; None: it is not known.
+        """
+        self.slots = min(slots or cores(), most or sys.maxsize)
         self.name = f"{self.slots} process{'es' if self.slots > 1 else ''}"
         self._calls: queue.SimpleQueue[_Item] = queue.SimpleQueue()
         self._done: queue.SimpleQueue[Completed] = queue.SimpleQueue()

@@ -25,6 +25,7 @@ from imuwb.errors import UsageError
 SCHEMA = 1
 TABLE_KEY, SCHEMA_KEY = b"imuwb.table", b"imuwb.schema"  #: in the metadata of a file
 SOUND, SUSPICIOUS = "sound", "suspicious"  #: verdicts of a row of sensors
+DUPLICATE = "duplicate"  #: kind of a row of quarantine: a copy of a log that counts
 DONE, QUARANTINED = "done", "quarantined"  #: states of a row of logs
 
 #: keys of run.json: schema (of the tables), imuwb (version), analysis (name with its method), params (of the analysis), command,

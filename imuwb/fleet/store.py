@@ -47,9 +47,11 @@ def store_at(place: str) -> Store:
     """Return the store of a folder: a path, or an address such as s3://bucket/results/.
 
     Raises:
-        UsageError: an address that no results can be written to.
+        UsageError: a file, or an address that no results can be written to.
     """
     if not is_address(place):
+        if Path(place).is_file():
+            raise UsageError(f"{place}: this is a file; give a folder for the results")
         return FolderStore(Path(place))
     scheme, bucket, folder = parted(place)
     return BucketStore(scheme, bucket, folder.rstrip("/"))

@@ -15,7 +15,7 @@ from imuwb.errors import ImuwbError
 from imuwb.fleet.parquet import table_in
 from imuwb.fleet.parts import Part
 from imuwb.fleet.plan import Task
-from imuwb.fleet.schemas import DONE, ORDER, QUARANTINED, TABLES, check_schema, file_of
+from imuwb.fleet.schemas import DONE, DUPLICATE, ORDER, QUARANTINED, TABLES, check_schema, file_of
 from imuwb.fleet.store import Store
 from imuwb.readers.bytes.address import is_address, place_of, without_secrets
 from imuwb.texts import printable
@@ -71,7 +71,7 @@ def tables_of(entries: Iterable[Entry], store: Store) -> Tables:
         store: of the parts.
     """
     pieces: dict[str, list[pa.Table]] = {name: [schema.empty_table()] for name, schema in TABLES.items()}
-    seen: dict[str, str] = {}
+    seen: dict[str, tuple[str, str | None]] = {}
     ordered = sorted(entries, key=lambda entry: entry.task.log.place)
     with ThreadPoolExecutor(READERS) as pool:
         for chunk in _chunks(ordered, CHUNK):
@@ -120,7 +120,7 @@ def _reading(store: Store) -> Callable[[Entry], Part | None]:
     return part_of
 
 
-def _add(rows: dict[str, list[Row]], entry: Entry, part: Part | None, seen: dict[str, str]) -> None:
+def _add(rows: dict[str, list[Row]], entry: Entry, part: Part | None, seen: dict[str, tuple[str, str | None]]) -> None:
     """Add the rows of a log; one with the bytes of another log counts once."""
     task = entry.task
     path = _path(task.log.place)
@@ -130,12 +130,15 @@ def _add(rows: dict[str, list[Row]], entry: Entry, part: Part | None, seen: dict
         fault = {"stage": "analyse", "kind": "lost", "message": "its result is missing; run the command again"}
     part = part or Part()
     key = part.log.get("log")
-    if not part.quarantine and key and (first := seen.setdefault(f"{key} {task.options}", path)) != path:
-        fault = {
-            "stage": "triage",
-            "kind": "duplicate",
-            "message": f"it has the same bytes as {printable(first)}, which counts",
-        }
+    own = path, task.identity.serial
+    if not part.quarantine and key and (first := seen.setdefault(f"{key} {task.options}", own))[0] != path:
+        other = (
+            f"; that one is stated to be of {first[1] or 'no known sensor'}, this one of {own[1] or 'none'}"
+            if own[1] != first[1]
+            else ""
+        )
+        message = printable(f"it has the same bytes as {first[0]}, which counts{other}")
+        fault = {"stage": "triage", "kind": DUPLICATE, "message": message}
         part = Part(part.log)
     faults = [*part.quarantine, *([] if fault is None else [{"log": key, **fault}])]
     date = task.identity.date

@@ -50,3 +50,15 @@ def test_wrong_options_end_a_fleet_after_a_few_logs(imuwb, tmp_path, monkeypatch
     assert not Path("results").exists()
     done = imuwb("fleet", "outage", "logs", "-o", "results", "--workers", "0")
     assert (done.code, "--error-model" in done.err, "first 5 logs" in done.err) == (2, True, True), done.err
+
+
+def test_bounds_are_finite_and_results_are_no_file(imuwb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("a.csv").write_text(SHORT_LOG)
+    for option in ("--task-time", "--task-memory"):
+        done = imuwb("fleet", "noise", "a.csv", "-o", "results", option, "inf")
+        assert (done.code, "must be finite and above 0" in done.err) == (2, True), done.err
+    done = imuwb("fleet", "noise", "a.csv", "-o", "a.csv")
+    assert (done.code, "a.csv: this is a file; give a folder" in done.err) == (2, True), done.err
+    done = imuwb("fleet", "noise", "a.csv", "-o", "results", "--workers", "9")
+    assert "1 process" in done.err

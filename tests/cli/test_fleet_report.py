@@ -152,6 +152,19 @@ def test_the_mean_of_a_sensor_that_steps_has_the_interval_of_its_logs():
     assert found["out of family"].size.lower < 0 < math.log(3) < found["out of family"].size.upper
 
 
+def test_copies_are_no_worthless_logs():
+    rows = rows_of(**FEW)
+    rows["quarantine"] += [
+        {"path": f"logs/copy{n}.mcap", "log": f"sha256:0000000{n}", "vehicle": "V00", "serial": "SN000", "family": None, "stage": "triage",
+         "kind": "duplicate", "message": "it has the same bytes"} for n in range(2)
+    ]  # fmt: skip
+    found = report_of(rows)
+    assert (found.copies, found.quarantined, found.quarantined_share, found.kinds.total()) == (2, 0, 0.0, 0)
+    said = " ".join(answer(found).sentences)
+    assert "2 logs with the bytes of another" in said
+    assert "Worthless" not in said
+
+
 def test_a_third_of_a_family_far_outside_is_found_and_more_may_be():
     rows = rows_of(sensors=20, planted=False, outages=False, damaged=0)
     bad = {f"SN{number:03d}" for number in range(6)}

@@ -110,6 +110,9 @@ def test_a_copy_of_a_log_counts_once(results):
     assert tables["logs"].column("state").to_pylist() == ["done", "done", "quarantined", "quarantined"]
     assert tables["sensors"].column("serial").to_pylist() == ["a", "b"]
     assert tables["quarantine"].column("kind").to_pylist() == ["lost", "duplicate"]
+    (copied,) = [text for text in tables["quarantine"].column("message").to_pylist() if "same bytes" in text]
+    assert "b.csv" in copied
+    assert "of b, this one of c" in copied
 
 
 def test_a_date_of_the_user_beats_the_clock_of_the_log(results):

@@ -224,7 +224,7 @@ def _executor(asked: Work, todo: Sequence[Task]) -> Executor:
 
         own = local_cluster(asked.workers or 0) if asked.scheduler == "local" else None
         return DaskCluster(asked.scheduler, __version__, own)
-    return InProcess() if asked.workers == 0 else LocalPool(asked.workers or 0)
+    return InProcess() if asked.workers == 0 else LocalPool(asked.workers or 0, most=len(todo))
 
 
 def _values(asked: Asked) -> Iterator[tuple[str, object]]:

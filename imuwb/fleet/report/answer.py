@@ -12,6 +12,7 @@ from imuwb.fleet.report.outages import DRIFT, RATIO
 from imuwb.fleet.report.result import KINDS, OUTSIDE, Finding, FleetReport, in_si
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict, outcomes
 from imuwb.fleet.report.words import beyond, cell, named, rows_of, size_text, spread_text, what, when_text
+from imuwb.fleet.schemas import DUPLICATE
 from imuwb.identification.family import Judged
 from imuwb.identification.family.members import FEWEST
 from imuwb.names import distinct
@@ -145,8 +146,10 @@ def _checked(verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
 
 
 def _worthless(report: FleetReport) -> Iterator[str]:
-    if report.worthless:
-        count = len({one.path for one in report.worthless})
+    if report.copies:
+        yield f"{counted(report.copies, 'log')} with the bytes of another: each content counts once."
+    if report.kinds:
+        count = len({one.path for one in report.worthless if one.kind != DUPLICATE})
         kinds = ", ".join(f"{n} {kind}" for kind, n in report.kinds.most_common())
         yield f"Worthless: {count} of {report.count} logs ({100 * count / max(report.count, 1):.2g} %): {kinds}."
 

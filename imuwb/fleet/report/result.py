@@ -26,7 +26,7 @@ from imuwb.fleet.report.groups import (
 )
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState, State
-from imuwb.fleet.schemas import DONE, SUSPICIOUS
+from imuwb.fleet.schemas import DONE, DUPLICATE, SUSPICIOUS
 from imuwb.identification.family import Judged, Judgement, judge, tails_together
 from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
@@ -98,9 +98,14 @@ class FleetReport:
     worthless: tuple[Worthless, ...]
 
     @property
+    def copies(self) -> int:
+        """Return the number of logs that are copies of others."""
+        return sum(one.kind == DUPLICATE for one in self.worthless)
+
+    @property
     def quarantined(self) -> int:
-        """Return the number of logs in quarantine."""
-        return len({one.path for one in self.worthless if one.kind != SUSPICIOUS})
+        """Return the number of logs in quarantine; a copy of a log that counts is none."""
+        return len({one.path for one in self.worthless if one.kind not in (SUSPICIOUS, DUPLICATE)})
 
     @property
     def quarantined_share(self) -> float:
@@ -115,7 +120,9 @@ class FleetReport:
     @property
     def kinds(self) -> Counter[str]:
         """Return how many logs there are of each kind of fault."""
-        return Counter(kind for _, kind in sorted({(one.path, one.kind) for one in self.worthless}))
+        return Counter(
+            kind for _, kind in sorted({(one.path, one.kind) for one in self.worthless}) if kind != DUPLICATE
+        )
 
     @property
     def tails(self) -> float | None:
