@@ -55,9 +55,9 @@ def test_wrong_options_end_a_fleet_after_a_few_logs(imuwb, tmp_path, monkeypatch
 def test_bounds_are_finite_and_results_are_no_file(imuwb, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a.csv").write_text(SHORT_LOG)
-    for option in ("--task-time", "--task-memory"):
-        done = imuwb("fleet", "noise", "a.csv", "-o", "results", option, "inf")
-        assert (done.code, "must be finite and above 0" in done.err) == (2, True), done.err
+    for given, rule in ((("--task-time", "inf"), "finite and above 0"), (("--task-memory", "0.001"), "0.1 or more")):
+        done = imuwb("fleet", "noise", "a.csv", "-o", "results", *given)
+        assert (done.code, f"must be {rule}" in done.err) == (2, True), done.err
     done = imuwb("fleet", "noise", "a.csv", "-o", "a.csv")
     assert (done.code, "a.csv: this is a file; give a folder" in done.err) == (2, True), done.err
     done = imuwb("fleet", "noise", "a.csv", "-o", "results", "--workers", "9")

@@ -9,7 +9,7 @@ import typer
 from imuwb.cli.help import LOG
 from imuwb.cli.options import PANELS as SHARED
 from imuwb.cli.options import output_option
-from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
+from imuwb.options import NOT_NEGATIVE, POSITIVE, Between, Form, Options
 
 OWNERS, WORK = "Whose the logs are", "Where it runs"
 PANELS = {**SHARED, "Owners": OWNERS, "Work": WORK, "Results": "Output"}
@@ -51,7 +51,7 @@ class Work(Options):
         Form("tcp://HOST:PORT|local", words=("local",)),
     ] = None
     task_time: Annotated[float, "Time that a log may take (s).", POSITIVE] = 3600.0
-    task_memory: Annotated[float, "Memory that the analysis of a log may take (GB).", POSITIVE] = 4.0
+    task_memory: Annotated[float, "Memory that the analysis of a log may take (GB).", Between(0.1)] = 4.0
 
 
 @dataclass(frozen=True)
