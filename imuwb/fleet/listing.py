@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.fleet.own_files import results_of
 from imuwb.fleet.store import attempted, listed, parted
 from imuwb.readers.bytes.address import STORES, WEB, Address, is_address, place_of
 from imuwb.readers.reading import reader_of
@@ -119,6 +120,8 @@ def _files(pattern: str) -> Iterator[Listed]:
         try:
             state = file.stat()
         except OSError:  # it went away meanwhile
+            continue
+        if file.suffix == ".parquet" and results_of(file) is not None:
             continue
         yield Listed(str(file), state.st_size, tag_of("file", state.st_size, state.st_mtime_ns))
 

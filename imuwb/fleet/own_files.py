@@ -1,4 +1,4 @@
-"""The files of a folder of results that no output may replace."""
+"""The files of a folder of results: no output may replace them, and none is a log."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ RUN_JSON, PROGRESS, PARTS = "run.json", "progress.jsonl", "parts"
 
 
 def results_of(file: Path) -> Path | None:
-    """Return the folder of results whose own file an output would be; None: it would be none."""
+    """Return the folder of results whose own file a file is, or would be; None: it is none."""
     place = file.resolve()
     for folder in place.parents:
         if (folder / RUN_JSON).is_file():

@@ -30,6 +30,10 @@ def test_a_glob_takes_what_a_folder_takes_and_each_file_once(tmp_path, monkeypat
     Path("logs/v0").mkdir(parents=True)
     for name in ("a.csv", "b.mcap", "a.csv.toml", "run.json", "progress.jsonl", "page.html"):
         Path("logs/v0", name).write_text("x")
+    for name in ("sensors.parquet", "parts/0a/1b/tag.content.parquet"):
+        Path("logs/results", name).parent.mkdir(parents=True, exist_ok=True)
+        Path("logs/results", name).write_text("x")
+    Path("logs/results/run.json").write_text("{}")
     Path("logs/v0/again").symlink_to(Path("../v0"))
     Path("logs/c.csv").symlink_to("v0/a.csv")
     for pattern in ("logs/", "logs/**/*"):
