@@ -94,7 +94,8 @@ def _checked(state: RunState) -> RunState:
 
 def check_fits(own: RunState, known: RunState | None, place: str) -> None:
     """Raise UsageError if the results of a folder are those of another analysis, version or parameters."""
-    if known is None or known.run == own.run:
+    nothing = known is None or (known.state != "ended" and not known.done)
+    if known is None or nothing or known.run == own.run:
         return
     differs = {"analysis": (known.analysis, own.analysis), "version of imuwb": (known.imuwb, own.imuwb)}
     which = next(

@@ -191,7 +191,7 @@ def test_what_is_not_counted_is_said():
     assert sorted(group.left_out.values()) == [1, 1]
     assert (group.limited.upper.size, group.limited.share[0] > 0.9, group.limited.probability[0]) == (1, True, 0.975)
     said = answer(found).sentences
-    assert "values are limits, and count as limits in the family" in said[-2]
+    assert "values are limits; they count as limits in the family" in said[-2]
     assert said[-1].startswith("Not counted: ")
     assert [one.kind for one in found.worthless] == ["suspicious"]
     kept = sensor_groups(tables_of(rows)["sensors"], doubtful=True)

@@ -131,9 +131,11 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
     except (KeyboardInterrupt, ImuwbError) as stop:
         with suppress(ImuwbError):  # the store may be what has failed
             _finish(run, replace(state, state="interrupted"), None)
-        if isinstance(stop, KeyboardInterrupt):
-            done = f"{len(run.parts)} of {counted(len(tasks), 'log')}"
-            typer.echo(f"imuwb: {done} are done and in the tables; the same command goes on with the others", err=True)
+            if isinstance(stop, KeyboardInterrupt):
+                typer.echo(
+                    f"imuwb: the tables have {len(run.parts)} of {counted(len(tasks), 'log')}; the same command goes on with the others",
+                    err=True,
+                )
         raise
     finally:
         executor.close()
@@ -154,7 +156,7 @@ def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, 
             for done in completed(calls, executor):
                 task = todo[done.number]
                 kind, message = _note(run, task, done)
-                said.add(message if kind == "usage" else "")
+                said.add(message if _is_of_options(done) and not look else "")
                 file.add(progress.add(without_secrets(task.log.place), kind, message, done.worker))
                 update()
                 if progress.done == SAME and said == {message} and message:
@@ -166,6 +168,12 @@ def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, 
                     wait = max(FIRST_LOOK, LOOKS * (written - began))
     finally:
         file.close()
+
+
+def _is_of_options(done: Completed) -> bool:
+    """Return whether an analysis refused its options, after the log was read."""
+    reply = cast("Reply | None", done.value)
+    return done.fault is None and reply is not None and (reply.kind, reply.stage) == ("usage", "analyse")
 
 
 def _note(run: _Run, task: Task, done: Completed) -> tuple[str, str]:

@@ -63,6 +63,7 @@ class Reply:
     part: str  #: name of its part
     kind: str = ""  #: of the fault; empty: a result
     message: str = ""
+    stage: str = ""  #: in which the fault was
 
 
 @dataclass(slots=True)
@@ -114,7 +115,7 @@ def work(job: Job) -> Reply:
 
 def _reply(name: str, part: parts.Part) -> Reply:
     first: Row = next(iter(part.quarantine), {})
-    return Reply(name, first.get("kind", ""), first.get("message", ""))
+    return Reply(name, *(first.get(key, "") for key in ("kind", "message", "stage")))
 
 
 def _same(store: Store, settings: Settings, task: Task) -> Reply | None:

@@ -73,10 +73,10 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     silent = [one.coefficient for one in report.silent if one.limited.upper.size or one.left_out.get(LIMIT_ONLY)]
     if silent:
         names = ", ".join(f"{name} of {count} axes" if count > 1 else name for name, count in Counter(silent).items())
-        yield f"Not judged, because most logs give a limit only: {names}."
+        yield f"Not judged, because too few logs give a value: {names}."
     if limits := sum(one.limited for one in report.judged):
         values = sum(int(one.kept.sum()) for one in report.judged)
-        yield f"{limits} of {values + limits} values are limits, and count as limits in the family."
+        yield f"{limits} of {values + limits} values are limits; they count as limits in the family."
     left = Counter[str]()
     for group in report.groups:
         left.update(group.left_out)

@@ -39,6 +39,7 @@ POINTS = 2000  #: sensors or logs of a figure, besides those with a finding
 LIMITS = 60  #: of sensors that are shown
 _SHEET = ("of", "limit", "value", "verdict")
 DAY = 86400.0  #: s
+WIDEST = 200.0  #: natural logarithm that is drawn: an interval of one degree of freedom may be wider
 MARGIN = 0.08  #: of the range of a figure
 MIDDLE = (0.01, 0.99)  #: quantiles of the logs that a figure shows at least
 
@@ -178,7 +179,9 @@ def _band(label: str, group: Group, extent: Estimate, edge: Floats) -> Curve:
 
 def _shown(group: Group, values: Floats) -> Floats:
     """Return values on the scale of a group in the unit that people read."""
-    return (np.exp(values) if group.observations.logarithmic else values) / group.display.factor
+    return (
+        np.exp(np.clip(values, -WIDEST, WIDEST)) if group.observations.logarithmic else values
+    ) / group.display.factor
 
 
 def _near(ends: Floats, values: Floats) -> Floats:

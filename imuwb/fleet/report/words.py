@@ -57,8 +57,8 @@ def size_text(group: Group, size: Estimate) -> str:
     """Return how large a difference is: a ratio in per cent, or times above two; else in the unit."""
     if not group.observations.logarithmic:
         return estimate_text(size, group.display.name, group.display.factor)
-    value, lower, upper = (math.exp(x) for x in (size.value, size.lower, size.upper))
-    if not lower:
+    value, lower, upper = (end_in_si(group, x) for x in (size.value, size.lower, size.upper))
+    if size.lower == -math.inf:
         return f"below {100 * value:.2g} % of the family's mean"
     if value >= 2:  # noqa: PLR2004 - from here on times are easier to read
         return f"{value:.3g} times [{lower:.3g}, {upper:.3g}]"

@@ -23,6 +23,7 @@ from imuwb.statistics.distributions import scipy
 
 ROUNDS, CLOSE = 200, 1e-4  #: of the search; change of mean and spreads, in units of the scatter, at which it ends
 SHARE = 0.7  #: of the way to the new observations that a round goes
+FARTHEST = 70.0  #: ln θ/c, beyond which p is as large as it need be
 LARGEST = 200.0  #: p, beyond which f is 0
 LEAST = 1e-9  #: variance of ln θ
 TELLING = (
@@ -66,7 +67,7 @@ class Limits:
     def rise(self, x: Floats) -> tuple[Floats, Floats]:
         """Return p and half of its slope, (m, k), at the natural logarithms x, (m, k), of coefficients."""
         z = (scipy.special.ndtri(self.probability) / (1 - self.share))[:, None]
-        half = z * np.exp(2 * (x - self.upper[:, None]))
+        half = z * np.exp(2 * np.minimum(x - self.upper[:, None], FARTHEST))
         return half - z * self.share[:, None], half
 
 
@@ -81,17 +82,21 @@ def with_limits(rows: Observations, limits: Limits, start: RandomEffects) -> tup
     fit, precision, pull = start, np.zeros(limits.upper.size), np.zeros(limits.upper.size)
     error = float(np.median(rows.variance))
     stand = _standing(limits, precision, pull, 0.0)
+    # The search begins with a spread that has room for the limits: in one without any, they would say nothing of it.
+    room = float(np.var(np.concatenate([rows.y, np.minimum(limits.upper, rows.y.max())])))
+    fit = replace(start, between=max(start.between, room)) if limits.upper.size else start
     for _ in range(ROUNDS if limits.upper.size else 0):
         new_precision, new_pull = matched(limits, *_cavity(rows, limits, fit, precision, pull))
         precision, pull = precision + SHARE * (new_precision - precision), pull + SHARE * (new_pull - pull)
         stand = _standing(limits, precision, pull, TELLING / (error + fit.between + fit.within))
-        last, fit = fit, random_effects(joined(rows, stand), start=fit)
+        last, fit = fit, random_effects(joined(rows, stand), start=fit if fit.between > 0 else None)
         changes = [
             fit.coefficients[0] - last.coefficients[0],
             fit.between**0.5 - last.between**0.5,
             fit.within**0.5 - last.within**0.5,
         ]
-        if np.abs(changes).sum() < CLOSE * (fit.between + fit.within + error) ** 0.5:
+        settled = np.all(np.abs(new_precision - precision) <= CLOSE * (new_precision + 1 / error))
+        if settled and np.abs(changes).sum() < CLOSE * (fit.between + fit.within + error) ** 0.5:
             break
     return fit, stand
 

@@ -1,5 +1,7 @@
 """Logs that give a limit only: the family with them is that of the exact likelihood, and their words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import optimize, stats
@@ -137,6 +139,20 @@ def test_an_observation_leaves_mean_and_variance_as_they_are(share, mean, sigma)
         assert (pull + mean / sigma**2) / (precision + sigma**-2) == pytest.approx(first, abs=0.02 * second**0.5)
     else:
         assert precision < 1e-3 / sigma**2
+
+
+@pytest.mark.parametrize(
+    ("values", "limits", "spread", "ratio"),
+    [(4, 4, 0.05, 0.01), (4, 4, 0.005, 0.5), (10, 15, 0.005, 0.5), (3, 6, 0.05, 1e-3)],
+)
+def test_limits_far_below_few_values_widen_the_family(values, limits, spread, ratio):
+    rng = np.random.default_rng([9, values])
+    rows = rows_of(np.arange(values), spread * rng.standard_normal(values), spread**2)
+    further = replace(below(rows, 0, [np.log(ratio)] * limits), sensor=values + np.arange(limits))
+    fit, stand = with_limits(rows, further, random_effects(rows))
+    assert stand.y.max() < np.log(ratio)
+    assert fit.coefficients[0] < 0.5 * np.log(ratio)
+    assert fit.between**0.5 > -0.5 * np.log(ratio)
 
 
 def test_a_limit_far_above_says_nothing_and_no_limits_change_nothing():
