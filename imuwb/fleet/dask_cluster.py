@@ -19,7 +19,8 @@ from imuwb.errors import ImuwbError, UsageError
 from imuwb.fleet.executor import Call, Completed, Fault
 from imuwb.fleet.own_child import OwnChild, warm
 
-ADDRESS = re.compile(r"(?:[a-z]+://)?[^/\s]+:\d+/?")  #: of a scheduler
+ADDRESS = re.compile(r"(?:(?P<scheme>[a-z]+)://)?[^/\s]+:(?P<port>\d{1,5})/?")  #: of a scheduler
+SCHEMES, LAST_PORT = (None, "tcp", "tls", "ws", "wss", "ucx"), 65535
 CONNECTING = 10.0  #: s until a scheduler must have answered
 PATIENCE = 60.0  #: s that a cluster may be without any worker
 PERIOD = 2.0  #: s between two looks at the workers
@@ -46,7 +47,12 @@ class DaskCluster:
         self.name, self._own = address, own
         if own is None:
             _ask(address)
-        self._client: Any = distributed.Client(own or address, timeout=CONNECTING, set_as_default=False)
+        try:
+            self._client: Any = distributed.Client(own or address, timeout=CONNECTING, set_as_default=False)
+        except OSError as error:
+            raise ImuwbError(
+                f"--scheduler {address}: the scheduler has gone ({error}); start it, and run the command again"
+            ) from None
         self._done: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
         self._futures: dict[int, Any] = {}
         self._alone: float | None = None
@@ -150,7 +156,8 @@ class DaskCluster:
 
 def _ask(address: str) -> None:
     """Raise an error unless a scheduler of Dask answers; a client that waits for one would go on trying after its error."""
-    if not ADDRESS.fullmatch(address):
+    matched = ADDRESS.fullmatch(address)
+    if matched is None or int(matched["port"]) > LAST_PORT or matched["scheme"] not in SCHEMES:
         raise UsageError(f"--scheduler {address}: this is no address; write it as in tcp://127.0.0.1:8786")
     core: Any = import_module("distributed.core")
     security: Any = import_module("distributed.security")

@@ -129,7 +129,8 @@ def _files(pattern: str) -> Iterator[Listed]:
 def _is_log(name: str, pattern: str = "") -> bool:
     """Return whether a file may be a log; one that imuwb writes is none, unless a pattern names its suffix."""
     wanted = pattern.endswith(tuple(suffix for suffix in NO_LOGS if name.endswith(suffix)))
-    return not name.startswith(".") and (wanted or not name.endswith(NO_LOGS))
+    hidden = name.startswith(".") and not pattern.rpartition("/")[2].startswith(".")
+    return not hidden and (wanted or not name.endswith(NO_LOGS))
 
 
 def _objects(pattern: str) -> Iterator[Listed]:

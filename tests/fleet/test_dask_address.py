@@ -41,7 +41,10 @@ def test_another_service_is_no_scheduler(monkeypatch, answer):
     assert time.monotonic() - began < 10
 
 
-@pytest.mark.parametrize("address", ["foo", "tcp://", "127.0.0.1", "tcp://host:port", "a b:1"])
+@pytest.mark.parametrize(
+    "address",
+    ["foo", "tcp://", "127.0.0.1", "tcp://host:port", "a b:1", "ftp://127.0.0.1:8786", "tcp://127.0.0.1:99999"],
+)
 def test_a_text_that_is_no_address_is_refused_before_anything_is_asked(address):
     with pytest.raises(UsageError, match="is no address"):
         cluster.DaskCluster(address, "0")
