@@ -8,11 +8,11 @@ and the client gets it after a third and after two thirds of the logs; it is the
 
 * equal: sensors, outages, logs and quarantine have the same bytes as those of the loop over the same logs.
 * CPU: user and system time of the client and of all processes that it started, without the workers of Dask and the servers.
-* overhead: CPU of the pool over that of the loop, for logs that take 2 s each (``noise``), in pairs of runs whose order alternates.
+* overhead: CPU of the pool over that of the loop, for logs that take about 2 s each (``noise``), in pairs of runs whose order alternates.
 * planted: what ``imuwb fleet report`` finds in the tables of the loop at an error of 1 %.
 
 Command: ``nice -n 15 python tests/studies/fleet.py`` (600 logs: an hour of CPU. Linux).
-Seeds: 1, of the fleet; 2, of the logs of 2 s.
+Seeds: 1, of the fleet; 2, of the logs of about 2 s.
 """
 
 from __future__ import annotations
@@ -44,11 +44,8 @@ KILL = 10.0  #: s between two kills of a worker; each worker is killed twice, th
 BOUNDS = ("--task-time", "15", "--task-memory", "1")
 TABLES = ("sensors", "outages", "logs", "quarantine")
 BUCKET, PORT = "fleet", 5127
-LONG, LONG_SECONDS, PAIRS = (
-    120,
-    600,
-    2,
-)  #: logs of 2 s of CPU each, and the seconds that they last; pairs of runs over them
+LONG, LONG_SECONDS = 120, 600  #: logs of about 2 s of CPU each, and the seconds that they last
+PAIRS = 2  #: runs of loop and pool over them
 AGAIN = 3  #: runs that find all done
 PLANTED = {"s000": {"drifts"}, "s001": {"out of family"}, "s002": {"out of family"}, "s003": {"out of family"}}
 STORE = {
@@ -184,7 +181,7 @@ def stored(store, name):
 
 
 def overhead(folder, rerun):
-    """Return the rows on the CPU of a pool over that of a loop, for logs of 2 s each."""
+    """Return the rows on the CPU of a pool over that of a loop, for logs of about 2 s each."""
     fleet(folder / "more", LONG // MONTHS, LONG_SECONDS, RATE, seed=2)
     spent = {0: [], 2: []}
     for pair in range(PAIRS):
