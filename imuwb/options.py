@@ -126,9 +126,10 @@ def check(parameters: object) -> None:
         if option.between is not None:
             for number in _numbers(value):
                 if number not in option.between:
-                    rule = str(option.between)
-                    if not math.isfinite(number) and "finite" not in rule:
-                        rule = f"finite and {rule}"
+                    open_ended = (
+                        math.isinf(number) and math.isinf(option.between.most) and math.isfinite(option.between.least)
+                    )
+                    rule = f"{option.between}{', and finite' if open_ended else ''}"
                     raise ValueError(f"{option.name} is {text_of(value)}; it must be {rule}")
         object.__setattr__(parameters, option.name, value)
 

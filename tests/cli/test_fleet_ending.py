@@ -34,9 +34,9 @@ def test_a_fleet_of_unknown_sensors_suggests_no_report(imuwb, tmp_path, monkeypa
     for name in "ab":
         table = np.c_[np.arange(3000) / 100, 0.1 * rng.standard_normal((3000, 6)) + [0, 0, 0, 0, 0, 9.8]]
         np.savetxt(f"logs/{name}.csv", table, delimiter=",", comments="", header=SHORT_LOG.partition("\n")[0])
-    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0")
+    done = imuwb("fleet", "allan", "logs", "-o", "results", "--workers", "0")
     assert (done.code, "fleet report results\n" in done.err) == (0, False), done.err
-    done = imuwb("fleet", "noise", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
+    done = imuwb("fleet", "allan", "logs", "-o", "results", "--workers", "0", "--group", r"(?P<serial>[ab])\.csv")
     assert (done.code, "imuwb fleet report results" in done.err) == (0, True), done.err
 
 
@@ -55,7 +55,7 @@ def test_wrong_options_end_a_fleet_after_a_few_logs(imuwb, tmp_path, monkeypatch
 def test_bounds_are_finite_and_results_are_no_file(imuwb, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a.csv").write_text(SHORT_LOG)
-    for given, rule in ((("--task-time", "inf"), "finite and above 0"), (("--task-memory", "0.001"), "0.1 or more")):
+    for given, rule in ((("--task-time", "inf"), "above 0, and finite"), (("--task-memory", "0.001"), "0.1 or more")):
         done = imuwb("fleet", "noise", "a.csv", "-o", "results", *given)
         assert (done.code, f"must be {rule}" in done.err) == (2, True), done.err
     done = imuwb("fleet", "noise", "a.csv", "-o", "a.csv")
