@@ -16,7 +16,9 @@ from imuwb.statistics.distributions import normal_tails, scipy
 FEWEST = 5  #: sensors, for a family
 SHARE = 0.3  #: of the sensors that may be outside
 FIRST = 50  #: steps of the search; it goes on as long as each finds one
-ENOUGH = 25  #: sensors from which on the search for several outside finds no more false ones than that for one (Rosner)
+ENOUGH = (
+    25  #: sensors; in a smaller family the steps of the search share the error (Rosner tested his method from 25 on)
+)
 NEAR = (
     2.5  #: distance from the median, in standard deviations by the median deviation, within which no sensor is outside
 )
@@ -105,7 +107,7 @@ def outside(sensors: Members, error: float) -> Sorted:
         taken.append(worst)
         others = sensors.of(left)
         current = others.family(current)
-        value = _new(sensors.one(worst), others, current)
+        value = _score_against(sensors.one(worst), others, current)
         if trials(sensors.mean.size) * float(normal_tails(value)) <= error:
             last, best = len(taken), current
     inside = np.ones_like(left)
@@ -116,7 +118,7 @@ def outside(sensors: Members, error: float) -> Sorted:
 def _against(sensors: Members, inside: Booleans, family: RandomEffects, taken: list[int]) -> Iterator[Outside]:
     """Yield the sensors that were taken away, against the family of the others."""
     for place in taken:
-        value = _new(sensors.one(place), sensors.of(inside), family)
+        value = _score_against(sensors.one(place), sensors.of(inside), family)
         chance = min(1.0, trials(inside.size) * float(normal_tails(value)))
         yield Outside(int(sensors.sensor[place]), value, chance)
 
@@ -140,7 +142,7 @@ def reach(sensors: Members, count: int, error: float) -> tuple[float, float]:
 
     def allowed(away: float) -> float:
         """Return how far from being improbable enough a sensor is at a distance from the mean."""
-        return trials(count) * float(normal_tails(_new(typical.at(mean + away), others, family))) - error
+        return trials(count) * float(normal_tails(_score_against(typical.at(mean + away), others, family))) - error
 
     def end(side: float) -> float:
         away = side * sigma
@@ -175,7 +177,7 @@ def _distances(sensors: Members, family: RandomEffects) -> Floats:
     return score(sensors.mean - family.coefficients[0], variance, np.zeros_like(variance), sensors.errors.of)
 
 
-def _new(sensor: Members, others: Members, family: RandomEffects) -> float:
+def _score_against(sensor: Members, others: Members, family: RandomEffects) -> float:
     """Return the score of a sensor in the family of the others."""
     mean = float(family.covariance[0, 0])
     weight = mean / (family.between + others.variance)
